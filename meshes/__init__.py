@@ -1,0 +1,1 @@
+"""Load and check a mesh; build the reference sites."""
