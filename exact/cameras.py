@@ -228,8 +228,11 @@ class Ring:
     Examples
     --------
     >>> ring = Ring()
-    >>> ring.cameras(ring.equidistant(4))[3].position.round(9)  # the last of four sits at ring angle 2 pi
-    array([ 15.,   0., 400.])
+    >>> ring.positions([0.0])
+    array([[ 15.,   0., 400.]])
+    >>> cameras = ring.cameras(ring.equidistant(4))
+    >>> len(cameras)
+    4
     """
 
     diameter: float = 30.0
