@@ -1,1 +1,8 @@
 """Load and check a mesh; build the reference sites."""
+
+from meshes.check import check
+from meshes.errors import MeshError
+from meshes.load import load
+from meshes.top_surface import top_surface
+
+__all__ = ["MeshError", "check", "load", "top_surface"]
