@@ -1,14 +1,14 @@
-"""Pinhole cameras, alone or on a ring (Wachter 2021, section 2.2, Eq. 1 to 4).
+r"""Pinhole cameras, alone or on a ring (Wachter 2021, section 2.2, Eq. 1 to 4).
 
 ::
 
                  P  (0, 0, r^2/h) above F: every up vector points here
                  |
         C_2 ---- + ---- C_1     ring, diameter d, centre h above F
-           \\     |     /
-            \\    h    /  r = sqrt(h^2 + (d/2)^2)
-             \\   |   /
-              \\  |  /
+           \     |     /
+            \    h    /  r = sqrt(h^2 + (d/2)^2)
+             \   |   /
+              \  |  /
                  F              focus: all cameras look here
 
 Lengths in millimetres, angles in radians, right-handed axes, float64.

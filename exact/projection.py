@@ -1,0 +1,145 @@
+"""The image of a surface in one camera: where its vertices fall, how far away they are, which faces look at it.
+
+Image coordinates are right/depth and down/depth, so the plane through the camera at unit depth; pixels never matter.
+On a plane 1/depth is affine in them, which is what decides who is in front of whom.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from exact.cameras import Camera
+from exact.surface import Surface
+
+# Parts of a face nearer than this part of the target distance are cut away: they are in the camera's own housing.
+NEAR = 1e-6
+# A face seen at a smaller angle than this [rad] is edge-on. Its image has no area and it counts as turned away.
+EDGE_ON = 1e-12
+
+
+@dataclass(frozen=True, eq=False)
+class Image:
+    """A surface as one camera sees it, before anything hides anything.
+
+    Triangles are the faces that lie in front of the camera, followed by what the near plane leaves of the faces
+    that cross it.
+
+    Attributes
+    ----------
+    x, y, inverse_depth : (P,) float
+        Image coordinates and 1/depth [1/mm] of the points; nan for points not in front of the near plane.
+    corners : (N, 3) int
+        Points of each triangle.
+    parent : (N,) int
+        The face each triangle is, or is part of.
+    is_part : (N,) bool
+        Whether the near plane has cut it.
+    frame : (N, 3, 2) float or None
+        Corners in the face's own coordinates; None if no triangle is a part.
+    front : (F,) bool
+        Whether each face turns its front towards the camera.
+    whole : (F,) int
+        Index of the triangle that is this face, -1 if there is none.
+    """
+
+    surface: Surface
+    camera: Camera
+    x: np.ndarray
+    y: np.ndarray
+    inverse_depth: np.ndarray
+    corners: np.ndarray
+    parent: np.ndarray
+    is_part: np.ndarray
+    frame: np.ndarray | None
+    front: np.ndarray
+    whole: np.ndarray
+
+    def locate(self, face: np.ndarray, inner: np.ndarray):
+        """Image coordinates, 1/depth and whether in front of the near plane, of points of faces: four (N,) arrays."""
+        local = (self.surface.points(face, inner) - self.camera.position) @ self.camera.rotation.T
+        ahead = local[:, 2] > NEAR * self.camera.target_distance
+        inverse = np.divide(1.0, local[:, 2], out=np.ones(len(local)), where=ahead)
+        return local[:, 0] * inverse, local[:, 1] * inverse, inverse, ahead
+
+
+def project(surface: Surface, camera: Camera) -> Image:
+    """The image of `surface` in `camera`; see `Image`."""
+    local = (surface.vertices - camera.position) @ camera.rotation.T
+    near = NEAR * camera.target_distance
+    ahead = local[:, 2] > near
+    faces = surface.faces
+    front = _front(local, surface)
+    n_ahead = ahead[faces].sum(axis=1)
+    proper = surface.areas > 0
+    parent = np.flatnonzero((n_ahead == 3) & proper)
+    whole = np.full(len(faces), -1)
+    whole[parent] = np.arange(len(parent))
+    corners, is_part, frame = faces[parent], np.zeros(len(parent), dtype=bool), None
+    cut = np.flatnonzero((n_ahead > 0) & (n_ahead < 3) & proper)
+    if len(cut):
+        points, part_corners, part_parent, part_frame = _clip_near(local, faces, cut, ahead, near)
+        corners = np.concatenate([corners, part_corners + len(local)])
+        local, ahead = np.concatenate([local, points]), np.concatenate([ahead, np.ones(len(points), dtype=bool)])
+        frame = np.concatenate([np.broadcast_to(_UNIT_FRAME, (len(parent), 3, 2)), part_frame])
+        is_part = np.concatenate([is_part, np.ones(len(part_parent), dtype=bool)])
+        parent = np.concatenate([parent, part_parent])
+    inverse_depth = np.divide(1.0, local[:, 2], out=np.full(len(local), np.nan), where=ahead)
+    return Image(
+        surface, camera, local[:, 0] * inverse_depth, local[:, 1] * inverse_depth, inverse_depth,
+        corners, parent, is_part, frame, front, whole,
+    )  # fmt: skip
+
+
+_UNIT_FRAME = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
+
+
+def _front(local: np.ndarray, surface: Surface) -> np.ndarray:
+    """(F,) whether the camera, at the origin of `local`, is on the outer side of each face's plane."""
+    a, b, c = (local[surface.faces[:, k]] for k in range(3))
+    one, two = b - a, c - a
+    normal = np.stack(
+        [
+            one[:, 1] * two[:, 2] - one[:, 2] * two[:, 1],
+            one[:, 2] * two[:, 0] - one[:, 0] * two[:, 2],
+            one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0],
+        ],
+        axis=1,
+    )
+    height = (normal * a).sum(axis=1)
+    return height < -EDGE_ON * 2 * surface.areas * np.sqrt((a * a).sum(axis=1))
+
+
+def _clip_near(local: np.ndarray, faces: np.ndarray, cut: np.ndarray, ahead: np.ndarray, near: float):
+    """Triangles of what lies in front of the near plane of the faces `cut`, which cross it.
+
+    Returns
+    -------
+    points : (P, 3) float, corners : (N, 3) int into them, parent : (N,) int, frame : (N, 3, 2) float
+    """
+    points, parents, frames = [], [], []
+    for n_ahead in (1, 2):
+        chosen = cut[ahead[faces[cut]].sum(axis=1) == n_ahead]
+        if not len(chosen):
+            continue
+        # Turn each face so that its lone corner (the only one in front, or the only one behind) comes first.
+        lone = np.argmax(ahead[faces[chosen]] == (n_ahead == 1), axis=1)
+        turn = (lone[:, None] + np.arange(3)) % 3
+        corner = local[np.take_along_axis(faces[chosen], turn, axis=1)]
+        frame = _UNIT_FRAME[turn]
+        depth = corner[:, :, 2]
+        t = ((near - depth[:, :1]) / (depth[:, 1:] - depth[:, :1]))[:, :, None]
+        new = corner[:, :1] + t * (corner[:, 1:] - corner[:, :1])
+        new_frame = frame[:, :1] + t * (frame[:, 1:] - frame[:, :1])
+        if n_ahead == 1:
+            pieces = [([corner[:, 0], new[:, 0], new[:, 1]], [frame[:, 0], new_frame[:, 0], new_frame[:, 1]])]
+        else:
+            pieces = [
+                ([new[:, 0], corner[:, 1], corner[:, 2]], [new_frame[:, 0], frame[:, 1], frame[:, 2]]),
+                ([new[:, 0], corner[:, 2], new[:, 1]], [new_frame[:, 0], frame[:, 2], new_frame[:, 1]]),
+            ]
+        for piece, piece_frame in pieces:
+            points.append(np.stack(piece, axis=1))
+            frames.append(np.stack(piece_frame, axis=1))
+            parents.append(chosen)
+    points, frame, parent = np.concatenate(points), np.concatenate(frames), np.concatenate(parents)
+    return points.reshape(-1, 3), np.arange(3 * len(points)).reshape(-1, 3), parent, frame

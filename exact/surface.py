@@ -1,0 +1,168 @@
+"""A triangle mesh prepared for many cameras: merged vertices, edges with their faces, curves where faces intersect."""
+
+from collections import OrderedDict
+from dataclasses import dataclass
+from functools import cached_property
+from threading import Lock
+
+import numpy as np
+import trimesh
+
+from exact.errors import ExactError
+from exact.intersections import Intersections, intersecting_faces
+
+# A face whose height is below this part of its longest edge has no normal that could be trusted: it counts as area 0.
+THINNEST_FACE = 1e-12
+
+_CACHE: OrderedDict = OrderedDict()
+_CACHE_SIZE = 4
+_CACHE_LOCK = Lock()
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """Arrays of one mesh that no camera changes.
+
+    Attributes
+    ----------
+    vertices : (V, 3) float
+        Distinct points [mm]; vertices of the mesh in the very same place are one.
+    faces : (F, 3) int
+        In the order of the mesh.
+    areas : (F,) float
+        Area of each face [mm²], 0 for a face without a normal.
+    edges : (E, 2) int
+        The two vertices of each edge between exactly two faces that run along it in opposite directions.
+    edge_faces : (E, 2) int
+        Its two faces.
+    loose_edges : (L, 2) int
+        Edges of one face, or of more than two: always silhouettes.
+    closed : bool
+        Whether the mesh bounds a solid: every edge is run along as often forwards as backwards.
+    """
+
+    vertices: np.ndarray
+    faces: np.ndarray
+    areas: np.ndarray
+    edges: np.ndarray
+    edge_faces: np.ndarray
+    loose_edges: np.ndarray
+    loose_edge_faces: np.ndarray
+    closed: bool
+
+    @cached_property
+    def intersections(self) -> Intersections:
+        """The segments in which faces cut each other, in both faces' own coordinates."""
+        return intersecting_faces(self.vertices, self.faces, self.areas > 0)
+
+    @cached_property
+    def bounds(self) -> np.ndarray:
+        """(2, 3) least and greatest coordinates [mm]."""
+        return np.stack([self.vertices.min(axis=0), self.vertices.max(axis=0)])
+
+    def points(self, face: np.ndarray, inner: np.ndarray) -> np.ndarray:
+        """World points of face coordinates.
+
+        Parameters
+        ----------
+        face : (N,) int
+        inner : (N, 2) float
+            Coordinates (b1, b2) in the face: corner0 + b1 (corner1 - corner0) + b2 (corner2 - corner0).
+
+        Returns
+        -------
+        (N, 3) float [mm]
+        """
+        corner = self.vertices[self.faces[face]]
+        along = inner[:, :1] * (corner[:, 1] - corner[:, 0]) + inner[:, 1:] * (corner[:, 2] - corner[:, 0])
+        return corner[:, 0] + along
+
+
+def prepare(mesh: trimesh.Trimesh) -> Surface:
+    """Arrays of `mesh` for the evaluator; the last few meshes are remembered by their content.
+
+    Raises
+    ------
+    ExactError
+        If `mesh` is not a triangle mesh with finite vertices and at least one face with area, has two neighbouring
+        faces of opposite winding, or is closed and inside out.
+    """
+    if not isinstance(mesh, trimesh.Trimesh):
+        raise ExactError(f"mesh is a {type(mesh).__name__}; a trimesh.Trimesh is needed: see meshes.load")
+    key = (hash(mesh.vertices), hash(mesh.faces), len(mesh.vertices), len(mesh.faces))
+    with _CACHE_LOCK:
+        if key in _CACHE:
+            _CACHE.move_to_end(key)
+            return _CACHE[key]
+    surface = _build(np.asarray(mesh.vertices, dtype=np.float64), np.asarray(mesh.faces, dtype=np.int64))
+    with _CACHE_LOCK:
+        _CACHE[key] = surface
+        while len(_CACHE) > _CACHE_SIZE:
+            _CACHE.popitem(last=False)
+    return surface
+
+
+def _build(points: np.ndarray, faces: np.ndarray) -> Surface:
+    if len(faces) == 0:
+        raise ExactError("the mesh has no faces; at least one face with area is needed")
+    if not np.isfinite(points[faces]).all():
+        bad = int(np.flatnonzero(~np.isfinite(points[faces]).all(axis=(1, 2)))[0])
+        raise ExactError(f"face {bad} has a vertex that is not finite; remove or mend it first")
+    vertices, first = np.unique(points + 0.0, axis=0, return_inverse=True)
+    faces = first.reshape(-1)[faces]
+    corner = vertices[faces]
+    sides = corner[:, [1, 2, 0]] - corner
+    longest_squared = (sides**2).sum(axis=2).max(axis=1)
+    areas = 0.5 * np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
+    areas = np.where(areas > 0.5 * THINNEST_FACE * longest_squared, areas, 0.0)
+    if not areas.any():
+        raise ExactError(f"none of the {len(faces)} faces has an area; at least one is needed")
+    edges, edge_faces, loose, loose_faces = _edges(faces, areas > 0, len(vertices))
+    closed = _is_closed(faces, len(vertices))
+    # Relative to the first vertex: the volume of a closed mesh is the same from any point, the rounding is not.
+    arm = corner - vertices[0]
+    if closed and (np.cross(arm[:, 0], arm[:, 1]) * arm[:, 2]).sum() < 0:
+        raise ExactError("the mesh is closed and inside out: all its normals point inwards; meshes.load(path, "
+                         "repair=True) turns it, or call mesh.invert()")  # fmt: skip
+    return Surface(vertices, faces, areas, edges, edge_faces, loose, loose_faces, closed)
+
+
+def _half_edges(faces: np.ndarray, n_vertices: int):
+    """Start and end vertex of the (3F,) half edges and the key of their undirected edge."""
+    start, end = faces.reshape(-1), faces[:, [1, 2, 0]].reshape(-1)
+    return start, end, np.minimum(start, end) * n_vertices + np.maximum(start, end)
+
+
+def _is_closed(faces: np.ndarray, n_vertices: int) -> bool:
+    start, end, key = _half_edges(faces, n_vertices)
+    _, edge = np.unique(key, return_inverse=True)
+    balance = np.bincount(edge, weights=np.sign(end - start))
+    return not balance.any()
+
+
+def _edges(faces: np.ndarray, has_area: np.ndarray, n_vertices: int):
+    """Edges between exactly two faces with these faces, and all other edges with one face each."""
+    kept = np.flatnonzero(has_area)
+    start, end, key = _half_edges(faces[kept], n_vertices)
+    face = np.repeat(kept, 3)
+    order = np.argsort(key, kind="stable")
+    start, end, key, face = start[order], end[order], key[order], face[order]
+    first = np.flatnonzero(np.concatenate([[True], key[1:] != key[:-1]]))
+    count = np.diff(np.append(first, len(key)))
+    pair = first[count == 2]
+    same_way = start[pair] == start[pair + 1]
+    corners = np.sort(faces, axis=1)
+    duplicate = (corners[face[pair]] == corners[face[pair + 1]]).all(axis=1)
+    if (same_way & ~duplicate).any():
+        bad = pair[np.flatnonzero(same_way & ~duplicate)[0]]
+        raise ExactError(
+            f"faces {face[bad]} and {face[bad + 1]} run along their common edge in the same direction: the mesh has "
+            "mixed winding, so front and back cannot be told; meshes.load(path, repair=True) mends it"
+        )
+    is_edge = count == 2
+    is_edge[is_edge] = ~same_way
+    pair = pair[~same_way]
+    is_loose = np.repeat(~is_edge, count)
+    edges = np.stack([start[pair], end[pair]], axis=1)
+    loose = np.stack([start[is_loose], end[is_loose]], axis=1)
+    return edges, np.stack([face[pair], face[pair + 1]], axis=1), loose, face[is_loose]
