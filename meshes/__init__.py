@@ -3,6 +3,7 @@
 from meshes.check import check
 from meshes.errors import MeshError
 from meshes.load import load
+from meshes.sites import DETAILS, SITES, Site, site
 from meshes.top_surface import top_surface
 
-__all__ = ["MeshError", "check", "load", "top_surface"]
+__all__ = ["DETAILS", "SITES", "MeshError", "Site", "check", "load", "site", "top_surface"]

@@ -1,0 +1,159 @@
+"""What a surgical site is made of, and the field of its air.
+
+All lengths in millimetres; the origin is the focus, in the middle of the channel floor; +z is towards the cameras.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from meshes import field
+
+Knots = tuple[tuple[float, float, float, float], ...]  # x, y, z, radius along a tube's axis
+
+
+@dataclass(frozen=True)
+class Opening:
+    """Cross-section of the channel at the top surface.
+
+    Attributes
+    ----------
+    half_axes : (2,) tuple of float
+        Half the width along x and along y [mm].
+    exponent : float
+        Of the superellipse |x/a|^p + |y/b|^p = 1; 2 is an ellipse.
+    corners : int
+        Of the inscribed polygon that the opening is at the top surface, the first on +x.
+    """
+
+    half_axes: tuple[float, float]
+    corners: int
+    exponent: float = 2.0
+
+    def polygon(self) -> np.ndarray:
+        """(corners, 2) the exact outline of the opening in the top surface, counter-clockwise [mm]."""
+        angle = 2 * np.pi * np.arange(self.corners) / self.corners
+        cosine, sine = np.cos(angle), np.sin(angle)
+        power = 2 / self.exponent
+        return np.stack(
+            [
+                self.half_axes[0] * np.sign(cosine) * np.abs(cosine) ** power,
+                self.half_axes[1] * np.sign(sine) * np.abs(sine) ** power,
+            ],
+            axis=1,
+        )
+
+
+@dataclass(frozen=True)
+class Lump:
+    """An ellipsoid: a bulge where it is tissue, a pocket where it is air."""
+
+    centre: tuple[float, float, float]
+    radii: tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Anatomy:
+    """Everything below the rim of a site; independent of the depth, which only lengthens the channel.
+
+    Attributes
+    ----------
+    bowl : float
+        How much higher the floor lies at the wall than in the middle [mm].
+    rise : tuple of float
+        How much the floor climbs towards one side [mm], the azimuth of that side [rad], and where along this
+        direction the slope is steepest and how long it is [mm].
+    flare : float
+        By how much the channel is wider at the floor than above; makes the lower wall an undercut [mm].
+    flare_height : float
+        Height over which the flare goes back to nothing [mm].
+    uneven : tuple of float
+        Amplitude and wavelength of the unevenness of wall and floor [mm].
+    fillet : float
+        Width of the rounding where floor and wall meet [mm].
+    vessels, furrows : tuple of tubes
+        Tissue, and air carved into wall and floor.
+    bulges, pockets : tuple of Lump
+        Tissue, and air carved into wall and floor.
+    top : float
+        Height below which all of this lies [mm]; above it the channel is plain.
+    seed : int
+        Of the unevenness.
+    """
+
+    bowl: float = 0.0
+    rise: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 1.0)
+    flare: float = 0.0
+    flare_height: float = 15.0
+    uneven: tuple[float, float] = (0.0, 10.0)
+    fillet: float = 4.0
+    vessels: tuple[Knots, ...] = ()
+    furrows: tuple[Knots, ...] = ()
+    bulges: tuple[Lump, ...] = ()
+    pockets: tuple[Lump, ...] = ()
+    top: float = 35.0
+    seed: int = 1
+
+
+VESSEL_FILLET = 0.8  # rounding where a vessel lies on its bed [mm]: as fine as the coarse meshes can show
+FURROW_FILLET = 1.5
+BULGE_FILLET = 4.0
+
+
+def _smooth_step(t: np.ndarray) -> np.ndarray:
+    t = np.clip(t, 0.0, 1.0)
+    return t * t * (3 - 2 * t)
+
+
+def _floor_height(anatomy: Anatomy, opening: Opening, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """(N,) height of the floor, 0 near the origin [mm]."""
+    climb, azimuth, middle, length = anatomy.rise
+    along = x * np.cos(azimuth) + y * np.sin(azimuth)
+    bowl = anatomy.bowl * ((x / opening.half_axes[0]) ** 2 + (y / opening.half_axes[1]) ** 2)
+    slope = climb * _smooth_step((along - middle) / length + 0.5)
+    start = climb * _smooth_step(np.array(0.5 - middle / length))
+    return np.minimum(bowl, 2 * anatomy.bowl) + slope - start
+
+
+def air(anatomy: Anatomy, opening: Opening, rim: float, lip: float, points: np.ndarray) -> np.ndarray:
+    """Field of the air in a site.
+
+    Parameters
+    ----------
+    rim : float
+        Height of the lower edge of the exact rim [mm]; towards it the wall becomes plain.
+    lip : float
+        By how much the wall stands inside the opening there [mm].
+    points : (N, 3) ndarray
+
+    Returns
+    -------
+    (N,) ndarray
+        Positive in the air.
+    """
+    x, y, z = points.T
+    amplitude, wavelength = anatomy.uneven
+    uneven = amplitude * field.ripple(x, y, z, wavelength, anatomy.seed)
+    widening = anatomy.flare * _smooth_step(1 - z / anatomy.flare_height)
+    plain = _smooth_step((rim - z) / 8.0)  # 0 at the rim, 1 from 8 mm below it
+    half_axes = np.array(opening.half_axes)
+    wall = field.superellipse(x, y, half_axes, opening.exponent) - lip + plain * (uneven + widening)
+
+    floor_z = _floor_height(anatomy, opening, x, y)
+    step = 0.01  # [mm], for the slope by differences
+    slope_x = (_floor_height(anatomy, opening, x + step, y) - floor_z) / step
+    slope_y = (_floor_height(anatomy, opening, x, y + step) - floor_z) / step
+    floor = (z - floor_z) / np.sqrt(1 + slope_x**2 + slope_y**2) + uneven
+    result = field.smooth_min(wall, floor, anatomy.fillet)
+
+    for lump in anatomy.pockets:
+        pocket = field.ellipsoid(points, np.array(lump.centre), np.array(lump.radii))
+        result = field.smooth_max(result, -pocket, FURROW_FILLET)
+    for lump in anatomy.bulges:
+        bulge = field.ellipsoid(points, np.array(lump.centre), np.array(lump.radii))
+        result = field.smooth_min(result, bulge + 0.5 * uneven, BULGE_FILLET)
+    for knots in anatomy.furrows:
+        result = field.smooth_max(result, -field.tube(points, np.array(knots)), FURROW_FILLET)
+    for knots in anatomy.vessels:
+        result = field.smooth_min(result, field.tube(points, np.array(knots)), VESSEL_FILLET)
+    return result

@@ -1,0 +1,132 @@
+"""The reference sites: deterministic models of surgical channels.
+
+The ten models of Wachter 2021 were cut from a scan of a head and are not public. These are of the same kind and, for
+equidistant cameras, of nearly the same areas.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+import trimesh
+
+from meshes.anatomy import Anatomy, Opening
+from meshes.errors import MeshError
+from meshes.paper_anatomy import PAPER_ANATOMY
+from meshes.solid import carve
+
+DETAILS = {"coarse": 4_000, "middle": 20_000, "fine": 80_000}  # faces, about
+
+
+@dataclass(frozen=True)
+class Site:
+    """How a reference site is built, and the field of view it is meant for.
+
+    Attributes
+    ----------
+    name : str
+    title : str
+        What it shows, in one line.
+    depths : tuple of float
+        Channel depths it is offered at [mm].
+    openings : tuple of Opening
+        One for each depth.
+    anatomy : Anatomy
+        What lies at the bottom; the same at each depth.
+    fov : tuple of float
+        Recommended field of view, tangential and radial [mm].
+    block : float
+        Width of the block of tissue [mm], wider than what cameras see of the top surface.
+    """
+
+    name: str
+    title: str
+    depths: tuple[float, ...]
+    openings: tuple[Opening, ...]
+    anatomy: Anatomy
+    fov: tuple[float, float] = (36.0, 24.0)
+    block: float = 60.0
+
+
+# The corners are what the published areas with and without top surface show (Wachter 2021, Tables A1 and A2).
+CIRCULAR = (Opening((12.5, 12.5), corners=39), Opening((12.5, 12.5), corners=34))
+
+SITES: dict[str, Site] = {
+    site.name: site
+    for site in (
+        Site(
+            "circ_flat",
+            "gentle floor with small vessels close to it",
+            (50, 100),
+            CIRCULAR,
+            PAPER_ANATOMY["circ_flat"],
+        ),
+        Site(
+            "circ_artery",
+            "the same and a thick artery with a branch across the channel, 30 mm above the floor",
+            (50, 100),
+            CIRCULAR,
+            PAPER_ANATOMY["circ_artery"],
+        ),
+    )
+}
+
+
+def site(name: str, depth: float = 50, detail: str = "coarse") -> trimesh.Trimesh:
+    """Build a reference site.
+
+    Parameters
+    ----------
+    name : str
+        One of `SITES`.
+    depth : float
+        Height of the top surface above the focus [mm]; one of `SITES[name].depths`.
+    detail : str
+        Size of the mesh: "coarse", "middle" or "fine", about 4 000, 20 000 and 80 000 faces on the same shape.
+
+    Returns
+    -------
+    trimesh.Trimesh
+        Closed block of tissue with the channel in it, opening towards +z, focus at the origin. The same on every
+        call, and yours: changing it changes no other.
+
+    Raises
+    ------
+    MeshError
+        If there is no such site, depth or detail.
+
+    Examples
+    --------
+    >>> mesh = site("circ_flat", depth=50)
+    >>> mesh.is_watertight, mesh.bounds[:, 2].tolist()
+    (True, [-12.0, 50.0])
+    >>> site("appendix")  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+        ...
+    meshes.errors.MeshError: there is no site 'appendix'; choose one of circ_flat, ...
+    """
+    if name not in SITES:
+        raise MeshError(f"there is no site {name!r}; choose one of {', '.join(SITES)}")
+    depths = SITES[name].depths
+    if depth not in depths:
+        raise MeshError(f"site {name} has no depth {depth!r}; choose one of {', '.join(f'{d:g}' for d in depths)} [mm]")
+    if detail not in DETAILS:
+        raise MeshError(f"there is no detail {detail!r}; choose one of {', '.join(DETAILS)}")
+    return _built(name, float(depth), detail).copy()
+
+
+@lru_cache(maxsize=8)
+def _built(name: str, depth: float, detail: str) -> trimesh.Trimesh:
+    spec = SITES[name]
+    opening = spec.openings[spec.depths.index(depth)]
+    return carve(spec.anatomy, opening, depth, spec.block, _edge(spec, opening, depth, detail))
+
+
+def _edge(spec: Site, opening: Opening, depth: float, detail: str) -> float:
+    """Edge length [mm] that gives about the number of faces asked for."""
+    outline = opening.polygon()
+    perimeter = np.linalg.norm(outline - np.roll(outline, 1, axis=0), axis=1).sum()
+    wall = perimeter * (min(depth, spec.anatomy.top) + max(depth - spec.anatomy.top, 0) / 2)
+    floor = np.pi * opening.half_axes[0] * opening.half_axes[1]
+    # Measured: a body-centred grid gives about 3.9 faces for a square of the edge length.
+    return float(np.sqrt(3.9 * (wall + 1.5 * floor) / DETAILS[detail]))
