@@ -1,0 +1,225 @@
+"""All feasible layouts of a request: which arcs are open, and how many cameras fit where.
+
+With fixed cameras or forbidden arcs the circle is cut open and what is left is a row of arcs. A layout gives each
+arc some of the free cameras; for each such assignment the feasible layouts form one connected set, which
+`layout.angles_from_arcs` covers. Whether a request can be met at all is decided by going through them.
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+import exact
+from placement.constraints import GAP_MARGIN, Constraints
+from placement.errors import PlacementError
+from placement.layout import Arcs, arcs_from_angles, gaps_from_angles
+
+TURN = 2 * np.pi
+
+
+class LayoutSpace:
+    """The layouts of `n_cameras` cameras on `ring` that meet `constraints`.
+
+    Parameters
+    ----------
+    ring : exact.Ring
+        The ring.
+    n_cameras : int
+        Number of cameras M, fixed ones included.
+    constraints : Constraints
+        What every layout must meet.
+
+    Raises
+    ------
+    PlacementError
+        If no layout meets them; the message says why and what would be feasible.
+
+    Examples
+    --------
+    >>> space = LayoutSpace(exact.Ring(), 4, Constraints(fixed=(0.0,), forbidden=((1.0, 2.0),)))
+    >>> angles = space.random(np.random.default_rng(0))
+    >>> space.constraints.violations(space.ring, angles)
+    []
+    >>> LayoutSpace(exact.Ring(), 12, Constraints(min_separation=10.0))
+    Traceback (most recent call last):
+    placement.errors.PlacementError: 12 cameras at 10 mm need a ring of at least 38.6 mm; this one takes 9
+    """
+
+    def __init__(self, ring: exact.Ring, n_cameras: int, constraints: Constraints):
+        if not isinstance(n_cameras, int | np.integer) or isinstance(n_cameras, bool) or n_cameras < 1:
+            raise PlacementError(f"number of cameras is {n_cameras!r}; it must be a whole number, at least 1")
+        if len(constraints.fixed) > n_cameras:
+            raise PlacementError(
+                f"{len(constraints.fixed)} cameras are fixed but the layout has {n_cameras}; ask for at least "
+                f"{len(constraints.fixed)}"
+            )
+        constraints.baseline(ring)  # raises if none is wide enough
+        self.ring = ring
+        self.n_cameras = int(n_cameras)
+        self.n_free = self.n_cameras - len(constraints.fixed)
+        self.constraints = constraints
+        self.minimum_gap = self._checked_gap()
+        self.is_whole = not (constraints.fixed or constraints.forbidden)
+        self.assignments: list[tuple[tuple[int, ...], Arcs]] = []
+        if not self.is_whole:
+            self._check_fixed()
+            self._open = _open_arcs(constraints, self.minimum_gap)
+            self.assignments = list(self._feasible_assignments(self.n_free))
+            if not self.assignments:
+                self._raise_too_many()
+
+    def _checked_gap(self) -> float:
+        """Minimum gap with its margin [rad], where as many gaps fit on the ring."""
+        if self.n_cameras == 1:
+            return 0.0
+        gap, n = self.constraints.minimum_gap(self.ring), self.n_cameras
+        left = TURN - n * gap
+        if left < -n * GAP_MARGIN:
+            separation = self.constraints.min_separation
+            raise PlacementError(
+                f"{n} cameras at {separation:g} mm need a ring of at least {separation / np.sin(np.pi / n):.1f} mm; "
+                f"this one takes {int(TURN / gap + GAP_MARGIN)}"
+            )
+        return gap + (min(GAP_MARGIN, max(left, 0.0) / n) if gap > 0 else 0.0)
+
+    def _check_fixed(self) -> None:
+        fixed = np.array(self.constraints.fixed)
+        for start, end in self.constraints.forbidden:
+            if abs(end - start) >= TURN:
+                raise PlacementError("a forbidden arc covers the whole ring; it leaves no room for a camera")
+        if len(fixed):
+            wrong = Constraints(self.constraints.min_separation, forbidden=self.constraints.forbidden)
+            for reason in wrong.violations(self.ring, fixed):
+                raise PlacementError(f"the fixed cameras contradict the constraints: {reason}")
+
+    def _raise_too_many(self) -> None:
+        most = next((n for n in range(self.n_free - 1, 0, -1) if any(self._feasible_assignments(n))), 0)
+        fixed = len(self.constraints.fixed)
+        raise PlacementError(
+            f"{self.n_cameras} cameras at {self.constraints.min_separation:g} mm do not fit beside "
+            f"{fixed} fixed ones and {len(self.constraints.forbidden)} forbidden arcs; {fixed + most} do"
+        )
+
+    def _feasible_assignments(self, n_free: int) -> Iterator[tuple[tuple[int, ...], Arcs]]:
+        """Each way to give the open arcs `n_free` cameras, with the arc of each camera."""
+        capacities = [int((end - start) / self.minimum_gap + GAP_MARGIN) + 1 if self.minimum_gap else n_free
+                      for start, end in self._open]  # fmt: skip
+        for counts in _counts(n_free, capacities):
+            arcs = _tightened(np.repeat(self._open, counts, axis=0), self.minimum_gap, self.constraints.fixed)
+            if arcs is not None:
+                yield counts, arcs
+
+    def parameters(self, angles) -> tuple[np.ndarray, Arcs | None]:
+        """Free parameters of a layout that meets the constraints, and the arcs they refer to.
+
+        Parameters
+        ----------
+        angles : (M,) array_like
+            Ring angles [rad], fixed cameras included.
+
+        Raises
+        ------
+        PlacementError
+            If the layout does not meet the constraints.
+        """
+        theta = np.asarray(angles, dtype=np.float64)
+        reasons = self.constraints.violations(self.ring, theta)
+        if reasons or len(theta) != self.n_cameras:
+            raise PlacementError(f"not a layout of this request: {'; '.join(reasons) or f'{len(theta)} cameras'}")
+        if self.is_whole:
+            return gaps_from_angles(theta, self.minimum_gap), None
+        theta = theta[self.free_cameras(theta)]
+        start = self._open[0][0] if len(self._open) else 0.0
+        tolerance = 2 * GAP_MARGIN
+        theta = np.sort(start + np.mod(theta - start + tolerance, TURN) - tolerance)
+        arc = np.array([np.argmin([max(a - t, t - b, 0.0) for a, b in self._open]) for t in theta], dtype=int)
+        counts = tuple(np.bincount(arc, minlength=len(self._open)).tolist())
+        for candidate, arcs in self.assignments:
+            if candidate == counts:
+                return arcs_from_angles(theta, arcs, self.minimum_gap), arcs
+        raise PlacementError("not a layout of this request: it keeps the constraints only within rounding")
+
+    def random(self, rng: np.random.Generator) -> np.ndarray:
+        """(M,) ring angles [rad] of a random feasible layout; every feasible layout can come up."""
+        if self.is_whole:
+            shares = rng.dirichlet(np.ones(self.n_cameras))
+            gaps = self.minimum_gap + (TURN - self.n_cameras * self.minimum_gap) * shares
+            return rng.uniform(0, TURN) + np.concatenate([[0.0], np.cumsum(gaps[:-1])])
+        _, arcs = self.assignments[rng.integers(len(self.assignments))]
+        shifted = np.empty(self.n_free)
+        for i, share in enumerate(rng.random(self.n_free)):
+            least, most = arcs.lower[i], arcs.upper[i]
+            if i:
+                least, most = max(least, shifted[i - 1]), min(most, shifted[0] + arcs.slack)
+            shifted[i] = least + max(most - least, 0.0) * share
+        return np.concatenate([shifted + self.minimum_gap * np.arange(self.n_free), arcs.fixed])
+
+    def free_cameras(self, angles) -> np.ndarray:
+        """Tell the indices of the cameras of a layout of M ring angles [rad] that are not fixed."""
+        theta = np.asarray(angles, dtype=np.float64)
+        free = np.ones(len(theta), dtype=bool)
+        for fixed in self.constraints.fixed:
+            distance = np.where(free, np.abs(np.sin((theta - fixed) / 2)), np.inf)
+            free[distance.argmin()] = False
+        return np.flatnonzero(free)
+
+    def allowed(self, candidates, others) -> np.ndarray:
+        """(G,) bool: may one more camera be at each of the (G,) ring angles beside the (M - 1,) others [rad]."""
+        candidates = np.asarray(candidates, dtype=np.float64)
+        half_gaps = np.abs(np.sin((candidates[:, None] - np.asarray(others)[None, :]) / 2))
+        allowed = (half_gaps >= np.sin(self.minimum_gap / 2)).all(axis=1)
+        for start, end in self.constraints.forbidden:
+            inside = np.mod(candidates - start, TURN)
+            allowed &= (inside <= 0) | (inside >= np.mod(end - start, TURN))
+        return allowed
+
+    def allows(self, angles) -> bool:
+        """Whether a layout of M ring angles [rad] meets every constraint."""
+        return len(angles) == self.n_cameras and not self.constraints.violations(self.ring, angles)
+
+
+def _open_arcs(constraints: Constraints, gap: float) -> np.ndarray:
+    """Arcs (A, 2) in which a free camera may be, on the circle cut open at a fixed camera or forbidden arc."""
+    blocked = [(angle - gap, angle + gap) for angle in constraints.fixed]
+    blocked += [(start, start + np.mod(end - start, TURN)) for start, end in constraints.forbidden]
+    cut = constraints.fixed[0] if constraints.fixed else constraints.forbidden[0][0]
+    pieces = []
+    for start, end in blocked:
+        begin = cut + np.mod(start - cut, TURN)
+        pieces.append((begin, begin + (end - start)))
+        pieces.append((begin - TURN, begin - TURN + (end - start)))
+    position, arcs = cut, []
+    for start, end in sorted(pieces):
+        if start >= position:
+            arcs.append((position, min(start, cut + TURN)))
+        position = max(position, end)
+    if position <= cut + TURN:
+        arcs.append((position, cut + TURN))
+    return np.array([(a, b) for a, b in arcs if a <= b and a < cut + TURN]).reshape(-1, 2)
+
+
+def _counts(total: int, capacities: list[int]) -> Iterator[tuple[int, ...]]:
+    """Every way to share `total` among bins with these capacities."""
+    if not capacities:
+        if total == 0:
+            yield ()
+        return
+    room = sum(capacities[1:])
+    for first in range(max(0, total - room), min(total, capacities[0]) + 1):
+        for rest in _counts(total - first, capacities[1:]):
+            yield (first, *rest)
+
+
+def _tightened(arcs: np.ndarray, gap: float, fixed: tuple[float, ...]) -> Arcs | None:
+    """Shift the (m, 2) arcs of m cameras by i x gap and cut off what no feasible layout reaches; None if empty."""
+    n_free = len(arcs)
+    shift = gap * np.arange(n_free)
+    lower = np.maximum.accumulate(arcs[:, 0] - shift)
+    upper = np.minimum.accumulate((arcs[:, 1] - shift)[::-1])[::-1]
+    slack = TURN - n_free * gap
+    if n_free:
+        lower[0] = max(lower[0], lower[-1] - slack)
+        lower = np.maximum.accumulate(lower)
+    if (lower > upper).any() or slack < 0:
+        return None
+    return Arcs(lower, upper.copy(), np.asarray(slack), np.asarray(fixed, dtype=np.float64))  # pyright: ignore[reportArgumentType]

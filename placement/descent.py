@@ -1,0 +1,138 @@
+"""Many starts at once: minimise 1 - soft coverage with BFGS while the temperature falls in stages."""
+
+from typing import NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import optimistix as optx
+from jaxtyping import Array, Bool, Float, Int
+
+from placement.layout import Arcs, angles_from_arcs, angles_from_gaps
+from placement.soft_coverage import Baseline, soft_coverage
+
+# BFGS stops when a step changes parameters [rad or logits] and coverage by less than this, relatively plus
+# absolutely: far below what the samples resolve.
+STEP_TOLERANCE = 1e-4
+COVERAGE_TOLERANCE = 1e-7
+# A start whose layout turned by less [rad] than this stood on a flat stretch and was not searched at all.
+FLAT_TOLERANCE = 1e-6
+
+
+class DescentEnd(NamedTuple):
+    """Where S starts ended."""
+
+    angles: Float[np.ndarray, "S M"]
+    """Ring angles [rad]; the start itself where the search failed."""
+    soft_coverage: Float[np.ndarray, " S"]
+    """At the last temperature, over the points searched."""
+    steps: Int[np.ndarray, " S"]
+    """BFGS steps over all stages."""
+    failed: Bool[np.ndarray, " S"]
+    """A value or an angle that is not finite."""
+    flat: Bool[np.ndarray, " S"]
+    """Did not move."""
+
+
+class _Problem(NamedTuple):
+    """What one start's objective needs; a pytree, so that new values do not compile again."""
+
+    signed_distance: Float[Array, "K N"]
+    weights: Float[Array, " N"]
+    minimum_gap: Float[Array, ""]
+    baseline: Baseline | None
+
+
+def descend(
+    parameters: np.ndarray,
+    arcs: Arcs | None,
+    signed_distance: np.ndarray,
+    weights: np.ndarray,
+    *,
+    minimum_gap: float,
+    threshold: int,
+    baseline: tuple[float, float] | None,
+    temperatures: tuple[float, ...],
+    max_steps: int,
+) -> DescentEnd:
+    """Run BFGS from every start at once through all temperatures.
+
+    Parameters
+    ----------
+    parameters : (S, P) ndarray
+        Starts, as `layout.gaps_from_angles` or, with `arcs`, `layout.arcs_from_angles` give them.
+    arcs : Arcs or None
+        Arcs of each start, stacked along a first axis of length S; None for the map by gaps.
+    signed_distance, weights : (K, N) and (N,) ndarray
+        Ring profiles [rad] and areas [mm²] of the points that can be covered or not.
+    minimum_gap : float
+        Least angle between neighbours [rad].
+    threshold : int
+        How many cameras must see a point.
+    baseline : (ring diameter, least baseline) or None
+        Both [mm].
+    temperatures : tuple of float
+        Falling widths of the soft step [rad]; the end of one stage starts the next.
+    max_steps : int
+        BFGS steps per stage at most.
+
+    Returns
+    -------
+    DescentEnd
+        A failed start comes back as it was, marked.
+    """
+    problem = _Problem(
+        jnp.asarray(signed_distance),
+        jnp.asarray(weights),
+        jnp.asarray(minimum_gap),
+        None if baseline is None else Baseline(*(jnp.asarray(float(value)) for value in baseline)),
+    )
+    arcs = None if arcs is None else Arcs(*(jnp.asarray(field) for field in arcs))
+    start = jnp.asarray(parameters)
+    ends = _descend(start, arcs, problem, jnp.asarray(temperatures), int(threshold), int(max_steps))
+    first, last, coverage, steps, failed = (np.asarray(value) for value in ends)
+    moved = np.abs(np.angle(np.exp(1j * (last - first)))).max(axis=1)
+    return DescentEnd(last, coverage, steps, failed, (moved < FLAT_TOLERANCE) & ~failed)
+
+
+@eqx.filter_jit
+def _descend(parameters, arcs, problem, temperatures, threshold, max_steps):
+    """Stages outside, starts inside: one BFGS is compiled, whatever their numbers."""
+    solver = optx.BFGS(rtol=COVERAGE_TOLERANCE, atol=STEP_TOLERANCE)
+
+    def angles_of(parameters, arcs):
+        if arcs is None:
+            return angles_from_gaps(parameters, problem.minimum_gap)
+        return angles_from_arcs(parameters, arcs, problem.minimum_gap)
+
+    def loss(parameters, args):
+        arcs, temperature = args
+        angles = angles_of(parameters, arcs)
+        return 1 - soft_coverage(
+            angles, problem.signed_distance, problem.weights, temperature, threshold, problem.baseline
+        )
+
+    def one_start(parameters, arcs, temperature):
+        # throw=False: one bad start must not end the others.
+        end = optx.minimise(loss, solver, parameters, (arcs, temperature), max_steps=max_steps, throw=False)
+        usable = jnp.isfinite(end.value).all()
+        return jnp.where(usable, end.value, parameters), end.stats["num_steps"], ~usable
+
+    arcs_axis = None if arcs is None else 0
+
+    def stage(carry, temperature):
+        parameters, steps, failed = carry
+        parameters, more, bad = jax.vmap(one_start, (0, arcs_axis, None))(parameters, arcs, temperature)
+        return (parameters, steps + more, failed | bad), None
+
+    n_starts = parameters.shape[0]
+    carry = (parameters, jnp.zeros(n_starts, int), jnp.zeros(n_starts, bool))
+    (end, steps, failed), _ = jax.lax.scan(stage, carry, temperatures)
+
+    final_loss = jax.vmap(lambda p, a: loss(p, (a, temperatures[-1])), (0, arcs_axis))(end, arcs)
+    to_angles = jax.vmap(angles_of, (0, arcs_axis))
+    first, last = to_angles(parameters, arcs), to_angles(end, arcs)
+    failed = failed | ~jnp.isfinite(final_loss) | ~jnp.isfinite(last).all(axis=1)
+    last = jnp.where(failed[:, None], first, last)
+    return first, last, jnp.where(failed, 0.0, 1 - final_loss), steps, failed

@@ -1,0 +1,144 @@
+"""Search on the samples themselves: move one camera at a time to the best angle of a fine grid.
+
+The coverage of the samples for every grid angle of one camera, the others held, costs one matrix product. It needs
+no gradient and no temperature, and it can jump over a fixed camera or a forbidden arc.
+"""
+
+import numpy as np
+
+from placement.arcs import LayoutSpace
+from placement.profiles import RingProfiles
+
+
+class SampledCoverage:
+    """Reconstructable area of the samples for layouts on and off a grid of angles.
+
+    Parameters
+    ----------
+    profiles : RingProfiles
+        Points that can be covered or not; others only cost time.
+    threshold : int
+        How many cameras must see a point.
+    diameter, min_baseline : float
+        Of the ring, and least chord between two of the cameras that see a point [mm].
+    n_grid : int
+        Angles a camera may be moved to, evenly around the ring.
+
+    Examples
+    --------
+    >>> right, left = np.cos([0.0, 1.0, 2.0, 3.0, 4.0, 5.0]), -np.cos([0.0, 1.0, 2.0, 3.0, 4.0, 5.0])
+    >>> profiles = RingProfiles(np.stack([right, left], axis=1), np.array([2.0, 1.0]))
+    >>> SampledCoverage(profiles, threshold=2).area([0.1, -0.1])
+    2.0
+    """
+
+    def __init__(
+        self,
+        profiles: RingProfiles,
+        threshold: int,
+        diameter: float = 1.0,
+        min_baseline: float = 0.0,
+        n_grid: int = 720,
+    ):
+        self.profiles = profiles
+        self.threshold = threshold
+        self.diameter = diameter
+        self.min_baseline = min_baseline
+        self.grid = 2 * np.pi * np.arange(n_grid) / n_grid
+        self._seen = profiles.at(self.grid).astype(np.float32)  # (n_grid, N), single: for the matrix product
+
+    def covered(self, angles) -> np.ndarray:
+        """(N,) bool: which samples the layout of (M,) ring angles [rad] reconstructs."""
+        theta = np.asarray(angles, dtype=np.float64)
+        seen = self.profiles.at(theta)
+        enough = seen.sum(axis=0) >= self.threshold
+        if self.min_baseline > 0:
+            enough &= self._paired(theta, seen)
+        return enough
+
+    def area(self, angles) -> float:
+        """Area [mm²] of the samples that the layout of (M,) ring angles [rad] reconstructs."""
+        return float(self.profiles.weights[self.covered(angles)].sum())
+
+    def areas_with_one_more(self, angles) -> np.ndarray:
+        """(n_grid,) area [mm²] for the (M - 1,) ring angles [rad] and one more camera at each grid angle."""
+        theta = np.asarray(angles, dtype=np.float64)
+        seen = self.profiles.at(theta)
+        count = seen.sum(axis=0)
+        weights = self.profiles.weights
+        if self.min_baseline <= 0:
+            waiting = np.where(count == self.threshold - 1, weights, 0.0)
+            already = weights[count >= self.threshold].sum()
+            return already + (self._seen @ waiting.astype(np.float32)).astype(np.float64)
+        paired = self._paired(theta, seen)
+        done = (count >= self.threshold) & paired
+        waiting = (count >= self.threshold - 1) & ~done
+        partner = self._far(self.grid, theta).astype(np.float32) @ seen[:, waiting].astype(np.float32) > 0
+        enough = (count[waiting] >= self.threshold) | (self._seen[:, waiting] > 0)
+        linked = paired[waiting] | (partner & (self._seen[:, waiting] > 0))
+        return weights[done].sum() + (enough & linked) @ weights[waiting]
+
+    def areas_with_two_more(self, angles) -> np.ndarray:
+        """(n_grid, n_grid) area [mm²] for (M - 2,) ring angles [rad] and two more; no baseline taken into account."""
+        count = self.profiles.at(np.asarray(angles, dtype=np.float64)).sum(axis=0)
+        weights = self.profiles.weights.astype(np.float32)
+        one_short = self._seen[:, count == self.threshold - 1]
+        alone = one_short @ weights[count == self.threshold - 1]
+        both = (one_short * weights[count == self.threshold - 1]) @ one_short.T
+        area = alone[:, None] + alone[None, :] - both
+        if self.threshold >= 2:
+            two_short = self._seen[:, count == self.threshold - 2]
+            area = area + (two_short * weights[count == self.threshold - 2]) @ two_short.T
+        return area.astype(np.float64) + self.profiles.weights[count >= self.threshold].sum()
+
+    def improve(self, space: LayoutSpace, angles, max_sweeps: int = 10) -> np.ndarray:
+        """Move one free camera at a time to its best grid angle until no move gains anything.
+
+        Parameters
+        ----------
+        space : LayoutSpace
+            What is allowed; the layout stays in it.
+        angles : (M,) array_like
+            Ring angles [rad] to start from.
+        max_sweeps : int
+            Times each camera is tried at most.
+
+        Returns
+        -------
+        (M,) ndarray
+            Ring angles [rad] with at least the area of the start.
+        """
+        theta = np.array(angles, dtype=np.float64)
+        area = self.area(theta)
+        gain_worth = 1e-6 * float(self.profiles.weights.sum())  # single precision in the matrix product
+        for _ in range(max_sweeps):
+            before = area
+            for camera in space.free_cameras(theta):
+                others = np.delete(theta, camera)
+                areas = self.areas_with_one_more(others)
+                areas[~space.allowed(self.grid, others)] = -np.inf
+                best = _middle_of_best(areas, gain_worth)
+                if areas[best] > area + gain_worth:
+                    theta[camera] = self.grid[best]
+                    area = self.area(theta)
+            if area <= before + gain_worth:
+                break
+        return theta
+
+    def _far(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
+        chord = self.diameter * np.abs(np.sin((first[:, None] - second[None, :]) / 2))
+        return chord >= self.min_baseline
+
+    def _paired(self, theta: np.ndarray, seen: np.ndarray) -> np.ndarray:
+        """(N,) bool: two cameras that see the point are far enough apart."""
+        partners = self._far(theta, theta).astype(np.float32) @ seen.astype(np.float32) > 0
+        return (seen & partners).any(axis=0)
+
+
+def _middle_of_best(values: np.ndarray, tolerance: float) -> int:
+    """Index in the middle of the first run of values that equal the greatest: away from what would lose them."""
+    best = int(values.argmax())
+    end = best
+    while end + 1 < len(values) and values[end + 1] >= values[best] - tolerance:
+        end += 1
+    return (best + end) // 2

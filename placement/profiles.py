@@ -1,0 +1,225 @@
+r"""Ring profiles: from which ring angles a point is seen, and how far away the next change is.
+
+A point is visible from a ring angle if its face is turned towards the camera, it lies inside the field of view
+(which turns with the ring angle), and no face lies between (Embree). The boolean profile on a regular grid of
+angles becomes a signed angular distance to the nearest change, positive where visible::
+
+    visible          ------#########-------------#####-----
+    signed distance        /\                    /\
+                     \    /  \      /\     /\   /  \   /
+                  0 --\--/----\----/--\---/--\-/----\-/----   ring angle ->
+                       \/      \  /    \ /    \      \
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import trimesh
+from embreex.mesh_construction import TriangleMesh
+from embreex.rtcore_scene import EmbreeScene
+
+import exact
+from placement.errors import PlacementError
+from placement.sampling import SurfaceSamples
+
+# Embree computes in single precision. A ray starts this fraction of the mesh's extent above its face: some
+# 80 times the rounding of a coordinate, so it cannot hit the face it leaves, and far below any real gap.
+RAY_OFFSET = 1e-5
+RAYS_PER_BATCH = 1_000_000  # some 100 MB of intermediate arrays
+
+
+@dataclass(frozen=True, eq=False)
+class RingProfiles:
+    """Visibility of sample points around a ring.
+
+    Attributes
+    ----------
+    signed_distance : (K, N) ndarray
+        Angle [rad] from ring angle 2 pi k / K to the nearest change of visibility of point n, positive where
+        visible. pi for a point visible from everywhere, -pi for one visible from nowhere.
+    weights : (N,) ndarray
+        Area each point stands for [mm²].
+    """
+
+    signed_distance: np.ndarray
+    weights: np.ndarray
+
+    @property
+    def n_angles(self) -> int:
+        """Number of grid angles K."""
+        return self.signed_distance.shape[0]
+
+    @property
+    def visible(self) -> np.ndarray:
+        """(K, N) bool, the boolean profiles on the grid."""
+        return self.signed_distance > 0
+
+    def subset(self, keep: np.ndarray) -> "RingProfiles":
+        """Profiles of the points where the (N,) mask `keep` is true."""
+        return RingProfiles(self.signed_distance[:, keep], self.weights[keep])
+
+    def at(self, angles) -> np.ndarray:
+        """Visibility of each point from any ring angles, by periodic linear interpolation.
+
+        Parameters
+        ----------
+        angles : (M,) array_like
+            Ring angles [rad].
+
+        Returns
+        -------
+        (M, N) ndarray of bool
+        """
+        position = np.mod(np.asarray(angles, dtype=np.float64) / (2 * np.pi), 1.0) * self.n_angles
+        left = np.floor(position).astype(np.int64)
+        share = (position - left)[:, None]
+        before = self.signed_distance[left % self.n_angles]
+        after = self.signed_distance[(left + 1) % self.n_angles]
+        return (1 - share) * before + share * after > 0
+
+
+class Visibility:
+    """Which sample points a camera sees; holds the Embree scene of one mesh.
+
+    Parameters
+    ----------
+    mesh : trimesh.Trimesh
+        Everything that can hide something, excluded faces too [mm].
+
+    Examples
+    --------
+    >>> from placement.sampling import sample_surface
+    >>> plate = trimesh.creation.box((10, 10, 1))
+    >>> samples = sample_surface(plate, 100)
+    >>> seen = Visibility(plate).from_angles(samples, exact.Ring(), [0.0, 1.0])
+    >>> seen.shape, bool(seen[:, samples.normals[:, 2] > 0.5].all()), bool(seen[:, samples.normals[:, 2] < -0.5].any())
+    ((2, 100), True, False)
+    """
+
+    def __init__(self, mesh: trimesh.Trimesh):
+        # Centred: single precision is finest around the origin.
+        self._centre = mesh.bounds.mean(axis=0)
+        self._offset = RAY_OFFSET * float(np.ptp(mesh.bounds, axis=0).max())
+        self._scene = EmbreeScene()
+        vertices = np.ascontiguousarray(mesh.vertices - self._centre, dtype=np.float32)
+        TriangleMesh(self._scene, vertices, np.ascontiguousarray(mesh.faces, dtype=np.int32))
+
+    def from_angles(self, samples: SurfaceSamples, ring: exact.Ring, angles) -> np.ndarray:
+        """(M, N) bool: does the camera at each of the (M,) ring angles [rad] see each of the N samples."""
+        cameras = ring.cameras(angles)
+        n_points = len(samples)
+        seen = np.zeros((len(cameras), n_points), dtype=bool)
+        step = max(1, RAYS_PER_BATCH // n_points)
+        for first in range(0, len(cameras), step):
+            batch = cameras[first : first + step]
+            which = np.repeat(np.arange(len(batch)), n_points)
+            point = np.tile(np.arange(n_points), len(batch))
+            seen[first : first + step] = self._pairs(samples, batch, which, point).reshape(-1, n_points)
+        return seen
+
+    def pairs(self, samples: SurfaceSamples, ring: exact.Ring, angles, points) -> np.ndarray:
+        """(P,) bool: does the camera at ring angle `angles[p]` [rad] see sample number `points[p]`."""
+        points = np.asarray(points, dtype=np.int64)
+        if len(points) == 0:
+            return np.zeros(0, dtype=bool)
+        distinct, which = np.unique(np.asarray(angles, dtype=np.float64), return_inverse=True)
+        return self._pairs(samples, ring.cameras(distinct), which, points)
+
+    def _pairs(self, samples, cameras, which, point) -> np.ndarray:
+        positions = np.stack([camera.position for camera in cameras])
+        rotations = np.stack([camera.rotation for camera in cameras])
+        half_extents = np.stack([camera.half_extent for camera in cameras])
+
+        to_camera = positions[which] - samples.points[point]
+        facing = np.einsum("pi,pi->p", to_camera, samples.normals[point]) > 0
+        local = np.einsum("pij,pj->pi", rotations[which], -to_camera)  # right, down, look
+        depth = local[:, 2:]
+        inside = (depth[:, 0] > 0) & (np.abs(local[:, :2]) <= half_extents[which] * depth).all(axis=1)
+
+        seen = facing & inside
+        candidate = np.flatnonzero(seen)
+        if len(candidate):
+            normals = samples.normals[point[candidate]]
+            start = samples.points[point[candidate]] + self._offset * normals
+            ray = positions[which[candidate]] - start
+            distance = np.linalg.norm(ray, axis=1)
+            hit = self._scene.run(
+                np.ascontiguousarray(start - self._centre, dtype=np.float32),
+                np.ascontiguousarray(ray / distance[:, None], dtype=np.float32),
+                dists=distance.astype(np.float32),
+                query="OCCLUDED",
+            )
+            seen[candidate] = hit < 0  # -1 where nothing was hit before the camera
+        return seen
+
+
+def ring_profiles(
+    mesh: trimesh.Trimesh | Visibility,
+    samples: SurfaceSamples,
+    ring: exact.Ring,
+    n_angles: int = 120,
+    bisections: int = 5,
+) -> RingProfiles:
+    """Signed angular distance of every sample to the nearest change of its visibility, around the ring.
+
+    Each change found between two grid angles is located by `bisections` further rays, so its angle is known to
+    2 pi / K / 2**(bisections + 1), and linear interpolation between grid angles crosses zero there. An arc of
+    visibility (or of its absence) narrower than the grid's step can be missed.
+
+    Parameters
+    ----------
+    mesh : trimesh.Trimesh or Visibility
+        What hides; a `Visibility` saves building the scene again.
+    samples : SurfaceSamples
+        N points.
+    ring : exact.Ring
+        The ring.
+    n_angles : int
+        Number of grid angles K.
+    bisections : int
+        Further rays for each change of visibility.
+
+    Examples
+    --------
+    >>> from placement.sampling import sample_surface
+    >>> plate = trimesh.creation.box((10, 10, 1))
+    >>> top = sample_surface(plate, 50, exclude=plate.face_normals[:, 2] < 0.5)
+    >>> profiles = ring_profiles(plate, top, exact.Ring(), n_angles=12)
+    >>> profiles.signed_distance.shape
+    (12, 50)
+    >>> np.unique(profiles.signed_distance).tolist()  # seen from everywhere
+    [3.141592653589793]
+    """
+    if int(n_angles) != n_angles or n_angles < 4:
+        raise PlacementError(f"number of profile angles is {n_angles}; it must be a whole number, at least 4")
+    visibility = mesh if isinstance(mesh, Visibility) else Visibility(mesh)
+    step = 2 * np.pi / n_angles
+    grid = step * np.arange(n_angles)
+    visible = visibility.from_angles(samples, ring, grid)
+
+    # A change (k, n) lies between grid angles k and k + 1; halve that interval by asking its middle.
+    at, point = np.nonzero(visible != np.roll(visible, -1, axis=0))
+    before = visible[at, point]
+    low, width = grid[at], step
+    for _ in range(bisections):
+        width = width / 2
+        low = low + width * (visibility.pairs(samples, ring, low + width, point) == before)
+    change = low + width / 2
+    return RingProfiles(_signed_distance(visible, at, point, change), samples.weights)
+
+
+def _signed_distance(visible, at, point, change) -> np.ndarray:
+    """(K, N) signed distance from changes at angles `change` in (grid[at], grid[at + 1]) of points `point`."""
+    n_angles = len(visible)
+    step = 2 * np.pi / n_angles
+    behind = np.full(visible.shape, np.inf)  # from the last change before a grid angle to it
+    ahead = np.full(visible.shape, np.inf)  # from a grid angle to the next change
+    behind[(at + 1) % n_angles, point] = (at + 1) * step - change
+    ahead[at, point] = change - at * step
+    for k in range(1, 2 * n_angles):  # twice around: the circle has no first angle
+        here, there = k % n_angles, (k - 1) % n_angles
+        behind[here] = np.minimum(behind[here], behind[there] + step)
+        here, there = -k % n_angles, (-k + 1) % n_angles
+        ahead[here] = np.minimum(ahead[here], ahead[there] + step)
+    distance = np.minimum(np.minimum(behind, ahead), np.pi)  # pi: no change anywhere, or as far as one can be
+    return np.where(visible, distance, -distance)
