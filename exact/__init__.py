@@ -2,5 +2,7 @@
 
 from exact.cameras import Camera, Ring
 from exact.errors import ExactError
+from exact.evaluate import evaluate, view
+from exact.results import Reconstruction, View
 
-__all__ = ["Camera", "ExactError", "Ring"]
+__all__ = ["Camera", "ExactError", "Reconstruction", "Ring", "View", "evaluate", "view"]

@@ -191,9 +191,7 @@ class Camera:
         # A rotation written with single precision is still one; a scale or a mirror image is not.
         rotation_tolerance = 1e-6
         is_rigid = matrix.shape == (4, 4) and np.allclose(matrix[3], [0, 0, 0, 1], atol=0)
-        is_rigid = is_rigid and np.allclose(
-            matrix[:3, :3] @ matrix[:3, :3].T, np.eye(3), atol=rotation_tolerance
-        )
+        is_rigid = is_rigid and np.allclose(matrix[:3, :3] @ matrix[:3, :3].T, np.eye(3), atol=rotation_tolerance)
         if not (is_rigid and np.linalg.det(matrix[:3, :3]) > 0 and np.isfinite(matrix).all()):
             raise ExactError("Camera.moved needs a rigid (4, 4) matrix: a rotation and a shift, nothing else")
         position = matrix[:3, :3] @ self.position + matrix[:3, 3]
@@ -304,8 +302,7 @@ class Ring:
         distance_squared = self.working_distance**2 + (self.diameter / 2) ** 2
         apex = focus + self._frame[:, 2] * (distance_squared / self.working_distance)
         return tuple(
-            Camera.look_at(position, focus, up=apex - position, fov=self.fov)
-            for position in self.positions(angles)
+            Camera.look_at(position, focus, up=apex - position, fov=self.fov) for position in self.positions(angles)
         )
 
     def separations(self, angles) -> np.ndarray:

@@ -19,7 +19,7 @@ GRID_SIZE = 1e-12
 def whole_faces(n: int) -> np.ndarray:
     """(n,) polygons of `n` uncut faces."""
     outline = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.0, 0.0]])
-    return np.repeat(shapely.polygons(shapely.linearrings(outline)), n)
+    return np.full(n, shapely.Polygon(outline), dtype=object)
 
 
 def cut_pieces(face: np.ndarray, piece: np.ndarray, cuts: Cuts):
@@ -52,12 +52,12 @@ def cut_pieces(face: np.ndarray, piece: np.ndarray, cuts: Cuts):
     owner = np.repeat(np.arange(len(face)), count)
     chosen = order[np.repeat(first - (np.cumsum(count) - count), count) + np.arange(count.sum())]
     ends = np.stack([cuts.start[chosen], cuts.end[chosen]], axis=1)
-    lines = shapely.linestrings(ends)
+    lines = np.asarray(shapely.linestrings(ends))
     outline, outline_owner = shapely.get_parts(shapely.boundary(piece), return_index=True)
     everything = np.concatenate([outline, lines])
     everything_owner = np.concatenate([outline_owner, owner])
     by_owner = np.argsort(everything_owner, kind="stable")
-    drawing = shapely.multilinestrings(everything[by_owner], indices=everything_owner[by_owner])
+    drawing = np.asarray(shapely.multilinestrings(everything[by_owner], indices=everything_owner[by_owner]))
     origin, cell = _cells(piece, drawing, grid_size=None)
     missing = _unfilled(piece, origin, cell)
     if len(missing):
@@ -78,8 +78,8 @@ def cut_pieces(face: np.ndarray, piece: np.ndarray, cuts: Cuts):
 
 def _cells(piece: np.ndarray, drawing: np.ndarray, grid_size: float | None):
     """Cells inside each piece of the arrangement of its `drawing` of lines."""
-    noded = shapely.union_all(drawing[:, None], axis=1, grid_size=grid_size)
-    collection = shapely.polygonize(noded[:, None], axis=1)
+    noded = np.asarray(shapely.union_all(drawing[:, None], axis=1, grid_size=grid_size))
+    collection = shapely.polygonize(noded[:, None], axis=1)  # pyright: ignore[reportCallIssue]
     cell, origin = shapely.get_parts(collection, return_index=True)
     inside = shapely.contains_properly(piece[origin], shapely.point_on_surface(cell))
     return origin[inside], cell[inside]

@@ -61,7 +61,7 @@ class Demand:
 
     def met(self, seen: np.ndarray) -> np.ndarray:
         """(N,) whether each row of `seen` (N, M) meets it."""
-        enough = seen.sum(axis=1) >= self.threshold
+        enough = np.asarray(seen.sum(axis=1) >= self.threshold)
         if self.far is None:
             return enough
         paired = (seen & (seen.astype(np.float32) @ self.far.astype(np.float32) > 0)).any(axis=1)
@@ -73,8 +73,8 @@ class Demand:
         if self.far is None:
             return count
         reach = seen.astype(np.float32) @ self.far.astype(np.float32) > 0
-        paired = (seen & reach).any(axis=1)[:, None]
-        return np.concatenate([count, paired, reach[:, coming] & ~paired], axis=1)
+        paired = np.asarray((seen & reach).any(axis=1))
+        return np.concatenate([count, paired[:, None], reach[:, coming] & ~paired[:, None]], axis=1)
 
 
 def spread_order(cameras: Sequence[Camera]) -> np.ndarray:
@@ -174,5 +174,5 @@ def _merge(face, piece, seen, state):
     group = group.reshape(-1)
     order = np.argsort(group, kind="stable")
     parts, owner = shapely.get_parts(piece[order], return_index=True)
-    together = shapely.multipolygons(parts, indices=group[order][owner])
-    return face[first], shapely.union_all(together[:, None], axis=1), seen[first]
+    together = np.asarray(shapely.multipolygons(parts, indices=group[order][owner]))
+    return face[first], np.asarray(shapely.union_all(together[:, None], axis=1)), seen[first]

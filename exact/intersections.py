@@ -93,7 +93,7 @@ def _close_pairs(vertices, faces, kept, margin):
     one, two = one[keep], two[keep]
     keep = (low[one, 2] <= high[two, 2]) & (low[two, 2] <= high[one, 2])
     one, two = kept[one[keep]], kept[two[keep]]
-    n_shared = sum((faces[one, i] == faces[two, j]).astype(np.int8) for i in range(3) for j in range(3))
+    n_shared = (faces[one][:, :, None] == faces[two][:, None, :]).sum(axis=(1, 2))
     keep = n_shared < 2
     return one[keep], two[keep], n_shared[keep]
 
@@ -135,7 +135,7 @@ class _Planes:
         return np.where(np.abs(distance) <= self.touching, 0.0, distance)
 
     def straddled(self, plane, face, shared):
-        """(N,) whether `face` reaches to both sides of another's plane or touches it with a vertex they do not share."""
+        """(N,) whether `face` reaches to both sides of a plane, or touches it with a vertex they do not share."""
         distance = self.distances(plane, face)
         others = 3 - shared
         return ((distance > 0).sum(axis=1) < others) & ((distance < 0).sum(axis=1) < others)

@@ -1,0 +1,197 @@
+"""The two questions: what does one camera see, and what can a set of cameras reconstruct."""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+import shapely
+import trimesh
+
+from exact.cameras import Camera
+from exact.coverage import Demand, tally
+from exact.errors import ExactError
+from exact.results import Reconstruction, View
+from exact.surface import prepare
+
+# Two workers by default: numpy and GEOS let threads run side by side, the Python between them does not.
+WORKERS = 2
+
+
+def view(mesh: trimesh.Trimesh, camera: Camera) -> View:
+    """What `camera` sees of `mesh`, exactly.
+
+    Parameters
+    ----------
+    mesh : trimesh.Trimesh
+        See `evaluate` for what counts.
+    camera : Camera
+
+    Returns
+    -------
+    View
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> plate = trimesh.Trimesh([[-5, -5, 0], [5, -5, 0], [5, 5, 0], [-5, 5, 0]], [[0, 1, 2], [0, 2, 3]])
+    >>> camera = Camera.look_at((0, 0, 400), target=(0, 0, 0), up=(0, 1, 0))
+    >>> round(view(plate, camera).area, 9)
+    100.0
+    >>> view(plate, Camera.look_at((0, 0, -400), (0, 0, 0), up=(0, 1, 0))).area  # from behind
+    0.0
+    """
+    surface = prepare(mesh)
+    every_face = np.ones(len(surface.faces), dtype=bool)
+    seen = tally(surface, _checked_cameras([camera]), Demand(1, None), every_face, workers=1)
+    whole = seen.whole_seen[:, 0] & ~seen.is_cut
+    visible = seen.piece_seen[:, 0]
+    face, first = np.unique(seen.piece_face[visible], return_index=True)
+    group = np.repeat(np.arange(len(face)), np.diff(np.append(first, visible.sum())))
+    piece = np.asarray(shapely.multipolygons(seen.piece[visible], indices=group))
+    piece = np.asarray(shapely.union_all(piece[:, None], axis=1))
+    areas = np.where(whole, surface.areas, 0.0)
+    areas[face] = 2 * surface.areas[face] * shapely.area(piece)
+
+    def to_image(owner: np.ndarray, coordinates: np.ndarray) -> np.ndarray:
+        local = (surface.points(owner, coordinates) - camera.position) @ camera.rotation.T
+        return local[:, :2] / local[:, 2:] * camera.target_distance
+
+    polygons = np.full(len(surface.faces), shapely.Polygon(), dtype=object)
+    shown = np.flatnonzero(whole)
+    outline = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
+    corners = to_image(np.repeat(shown, 3), np.tile(outline, (len(shown), 1))).reshape(-1, 3, 2)
+    polygons[shown] = shapely.polygons(corners) if len(shown) else np.zeros(0, dtype=object)
+    if len(face):
+        coordinates, index = shapely.get_coordinates(piece, return_index=True)
+        polygons[face] = shapely.set_coordinates(piece.copy(), to_image(face[index], coordinates))
+    return View(camera, areas, polygons, seen.n_repairs, mesh, (shown, face, piece))
+
+
+def evaluate(
+    mesh: trimesh.Trimesh,
+    cameras: Sequence[Camera],
+    threshold: int = 2,
+    exclude: np.ndarray | None = None,
+    min_baseline: float = 0.0,
+    depth_order: str = "exact",
+    weights: np.ndarray | None = None,
+    workers: int = WORKERS,
+    report: Callable[[int], object] | None = None,
+) -> Reconstruction:
+    """Area of `mesh` that at least `threshold` of the `cameras` see, exact up to float64 rounding.
+
+    A point of a face is seen by a camera if the face turns its front (its normal) to the camera, the point is inside
+    the field of view and in front of the lens, and no other face lies in front of it. Backs are never seen; those of
+    an open surface do hide what is behind them. Of faces in the same place neither hides the other: coplanar
+    overlapping or duplicate faces that look the same way count once each.
+
+    Parameters
+    ----------
+    mesh : trimesh.Trimesh
+        Closed or open, in one or several shells, which may intersect each other and themselves.
+    cameras : sequence of Camera
+    threshold : int
+        T, from 1 to the number of cameras.
+    exclude : (F,) bool array, optional
+        Faces that are not counted. They hide what is behind them all the same.
+    min_baseline : float
+        Count a point only if two of the cameras that see it are at least this far apart [mm].
+    depth_order : {"exact"}
+        Which face is in front is decided point by point.
+    weights : (F,) float array, optional
+        Factor by which the area of each face counts, at least 0.
+    workers : int
+        Number of threads. The result does not depend on it.
+    report : callable, optional
+        Called with the number of further cameras done, from time to time; for progress bars.
+
+    Returns
+    -------
+    Reconstruction
+
+    Raises
+    ------
+    ExactError
+        If the request is not possible or the mesh has no inside and outside (mixed winding).
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> from exact import Ring
+    >>> plate = trimesh.Trimesh([[-5, -5, 0], [5, -5, 0], [5, 5, 0], [-5, 5, 0]], [[0, 1, 2], [0, 2, 3]])
+    >>> ring = Ring()
+    >>> round(evaluate(plate, ring.cameras(ring.equidistant(4)), threshold=2).area, 9)
+    100.0
+    >>> evaluate(plate, ring.cameras([0.0, 0.1]), min_baseline=20.0).area  # too close to each other
+    0.0
+    """
+    cameras = _checked_cameras(cameras)
+    if int(threshold) != threshold or not 1 <= threshold <= len(cameras):
+        raise ExactError(
+            f"threshold is {threshold} with {len(cameras)} cameras; it must be a whole number from 1 to the number of "
+            "cameras: add cameras or lower the threshold"
+        )
+    if not (np.isfinite(min_baseline) and min_baseline >= 0):
+        raise ExactError(f"min_baseline is {min_baseline}; it must be finite and at least 0 [mm]")
+    if depth_order != "exact":
+        raise ExactError(f'depth_order is {depth_order!r}; it must be "exact"')
+    if int(workers) != workers or workers < 1:
+        raise ExactError(f"workers is {workers}; it must be a whole number, at least 1")
+    surface = prepare(mesh)
+    counted = ~_checked_mask(exclude, len(surface.faces))
+    weights = _checked_weights(weights, len(surface.faces))
+    far = None
+    if min_baseline > 0:
+        position = np.array([camera.position for camera in cameras])
+        far = np.linalg.norm(position[:, None] - position[None, :], axis=2) >= min_baseline
+    demand = Demand(int(threshold), far)
+    seen = tally(surface, cameras, demand, counted, int(workers), report)
+
+    whole = counted & ~seen.is_cut & (surface.areas > 0)
+    whole_count, piece_count = seen.whole_seen.sum(axis=1), seen.piece_seen.sum(axis=1)
+    piece_area = 2 * surface.areas[seen.piece_face] * shapely.area(seen.piece)
+    whole_met, piece_met = whole & demand.met(seen.whole_seen), demand.met(seen.piece_seen)
+
+    def face_areas(faces: np.ndarray, pieces: np.ndarray) -> np.ndarray:
+        in_pieces = np.bincount(seen.piece_face[pieces], weights=piece_area[pieces], minlength=len(surface.faces))
+        return np.where(faces, surface.areas, 0.0) + np.minimum(in_pieces, surface.areas)
+
+    levels = [
+        face_areas(whole & (whole_count >= level), piece_count >= level) for level in range(1, int(threshold) + 1)
+    ]
+    return Reconstruction(
+        int(threshold), float(min_baseline), face_areas(whole_met, piece_met), np.stack(levels), weights,
+        seen.n_repairs, mesh, surface, seen, counted, whole_met, piece_met,
+    )  # fmt: skip
+
+
+def _checked_cameras(cameras: Sequence[Camera]) -> tuple[Camera, ...]:
+    cameras = tuple(cameras)
+    if not cameras:
+        raise ExactError("there are no cameras; at least one is needed")
+    for camera in cameras:
+        if not isinstance(camera, Camera):
+            raise ExactError(f"a camera is a {type(camera).__name__}; exact.Camera is needed: see Ring.cameras")
+    return cameras
+
+
+def _checked_mask(exclude, n_faces: int) -> np.ndarray:
+    if exclude is None:
+        return np.zeros(n_faces, dtype=bool)
+    mask = np.asarray(exclude)
+    if mask.dtype != bool or mask.shape != (n_faces,):
+        raise ExactError(
+            f"exclude is an array of {mask.dtype} with shape {mask.shape}; it must be bool with one entry for each of "
+            f"the {n_faces} faces"
+        )
+    return mask
+
+
+def _checked_weights(weights, n_faces: int) -> np.ndarray | None:
+    if weights is None:
+        return None
+    values = np.asarray(weights, dtype=np.float64)
+    if values.shape != (n_faces,) or not np.isfinite(values).all() or (values < 0).any():
+        raise ExactError(
+            f"weights has shape {values.shape}; it must be finite, not negative, one for each of the {n_faces} faces"
+        )
+    return values

@@ -1,0 +1,134 @@
+"""What came out: the view of one camera, and the reconstructable part of a surface."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import shapely
+import trimesh
+
+from exact.cameras import Camera
+from exact.coverage import Tally
+from exact.surface import Surface
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """What one camera sees, from `exact.view`.
+
+    Attributes
+    ----------
+    camera : Camera
+    face_areas : (F,) float
+        Visible area of each face, measured on the face itself [mm²].
+    polygons : (F,) object
+        Visible region of each face in the image plane at the target [mm right, mm down of the optical axis]:
+        a shapely Polygon or MultiPolygon, empty where nothing is seen.
+    repairs : int
+        How often rounding made a step fail its own check so that it was done again in a robust way.
+    """
+
+    camera: Camera
+    face_areas: np.ndarray
+    polygons: np.ndarray
+    repairs: int
+    _mesh: trimesh.Trimesh = field(repr=False)
+    _parts: tuple = field(repr=False)
+
+    @property
+    def area(self) -> float:
+        """Visible area [mm²]; 0.0 if the camera sees nothing."""
+        return float(self.face_areas.sum())
+
+    def to_mesh(self) -> trimesh.Trimesh:
+        """Visible part of the surface, with the face each triangle comes from as `face_attributes["parent"]`."""
+        return _triangulated(self._mesh, *self._parts)
+
+
+@dataclass(frozen=True, eq=False)
+class Reconstruction:
+    """What at least `threshold` cameras see, from `exact.evaluate`.
+
+    Attributes
+    ----------
+    threshold : int
+    min_baseline : float
+        Two of the cameras that see a reconstructable point are at least this far apart [mm].
+    face_areas : (F,) float
+        Reconstructable area of each face [mm²], 0 for excluded faces.
+    level_face_areas : (threshold, F) float
+        Area of each face seen by at least 1, 2, .. `threshold` cameras [mm²].
+    weights : (F,) float or None
+        Factor by which each face's area counts in `area` and `level_areas`; None counts each fully.
+    repairs : int
+        How often rounding made a step fail its own check so that it was done again in a robust way.
+    """
+
+    threshold: int
+    min_baseline: float
+    face_areas: np.ndarray
+    level_face_areas: np.ndarray
+    weights: np.ndarray | None
+    repairs: int
+    _mesh: trimesh.Trimesh = field(repr=False)
+    _surface: Surface = field(repr=False)
+    _tally: Tally = field(repr=False)
+    _counted: np.ndarray = field(repr=False)
+    _whole_met: np.ndarray = field(repr=False)
+    _piece_met: np.ndarray = field(repr=False)
+
+    @property
+    def area(self) -> float:
+        """Reconstructable area [mm²], weighted if weights were given; 0.0 if there is none."""
+        return float(self.face_areas.sum() if self.weights is None else self.face_areas @ self.weights)
+
+    @property
+    def level_areas(self) -> np.ndarray:
+        """(threshold,) area seen by at least 1, 2, .. `threshold` cameras [mm²], weighted like `area`."""
+        return self.level_face_areas.sum(axis=1) if self.weights is None else self.level_face_areas @ self.weights
+
+    def to_mesh(self, level: int | None = None) -> trimesh.Trimesh:
+        """Reconstructable part of the surface as a mesh; `face_attributes["parent"]` is the face of each triangle.
+
+        Parameters
+        ----------
+        level : int, optional
+            Give instead the part seen by exactly `level` cameras, 0 to `threshold`, where `threshold` stands for
+            that many or more.
+
+        Returns
+        -------
+        trimesh.Trimesh
+            Open, oriented like the input; without faces if there is nothing to show.
+        """
+        surface, tally = self._surface, self._tally
+        if level is None:
+            whole, pieces = self._whole_met, self._piece_met
+        else:
+            whole = np.minimum(tally.whole_seen.sum(axis=1), self.threshold) == level
+            whole &= self._counted & ~tally.is_cut & (surface.areas > 0)
+            pieces = np.minimum(tally.piece_seen.sum(axis=1), self.threshold) == level
+        return _triangulated(self._mesh, np.flatnonzero(whole), tally.piece_face[pieces], tally.piece[pieces])
+
+
+def _triangulated(mesh, whole: np.ndarray, piece_face: np.ndarray, piece: np.ndarray) -> trimesh.Trimesh:
+    """The faces `whole` and the pieces, given in the coordinates of their faces, as one mesh."""
+    polygons, owner = shapely.get_parts(piece, return_index=True)
+    collections = shapely.constrained_delaunay_triangles(polygons) if len(polygons) else polygons
+    triangles, polygon = shapely.get_parts(collections, return_index=True)
+    parent = piece_face[owner][polygon]
+    inner = shapely.get_coordinates(triangles).reshape(-1, 4, 2)[:, :3]
+    turned = np.cross(_as_3d(inner[:, 1] - inner[:, 0]), _as_3d(inner[:, 2] - inner[:, 0]))[:, 2] < 0
+    inner[turned] = inner[turned, ::-1]
+    corner = np.asarray(mesh.triangles)[parent]
+    one, two = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
+    points = corner[:, None, 0] + inner[:, :, :1] * one[:, None] + inner[:, :, 1:] * two[:, None]
+    used, faces = np.unique(mesh.faces[whole], return_inverse=True)
+    vertices = np.concatenate([np.asarray(mesh.vertices)[used], points.reshape(-1, 3)])
+    faces = np.concatenate([faces.reshape(-1, 3), len(used) + np.arange(3 * len(points)).reshape(-1, 3)])
+    result = trimesh.Trimesh(vertices, faces, process=False)
+    result.face_attributes["parent"] = np.concatenate([whole, parent])
+    return result
+
+
+def _as_3d(flat: np.ndarray) -> np.ndarray:
+    return np.concatenate([flat, np.zeros((*flat.shape[:-1], 1))], axis=-1)
