@@ -8,11 +8,11 @@ import numpy as np
 import shapely
 
 from exact.errors import ExactError
-from exact.occlusion import Cuts
+from exact.silhouettes import Cuts
 
 # The cells of a piece must fill it up to this part of the face, or the cutting is done again on a precision grid.
 FILL_TOLERANCE = 1e-10
-# The precision grid of the second attempt: far below any tolerance on areas, far above float64 rounding.
+# The precision grid (in parts of the face): far below any tolerance on areas, far above float64 rounding.
 GRID_SIZE = 1e-12
 
 
@@ -22,7 +22,7 @@ def whole_faces(n: int) -> np.ndarray:
     return np.full(n, shapely.Polygon(outline), dtype=object)
 
 
-def cut_pieces(face: np.ndarray, piece: np.ndarray, cuts: Cuts):
+def cut_pieces(face: np.ndarray, piece: np.ndarray, cuts: Cuts, on_grid: np.ndarray):
     """Cut each piece of a face along all segments of that face.
 
     Parameters
@@ -31,6 +31,10 @@ def cut_pieces(face: np.ndarray, piece: np.ndarray, cuts: Cuts):
         Face of each piece.
     piece : (N,) polygons or multipolygons, in the coordinates of their faces
     cuts : Cuts
+        By ascending face.
+    on_grid : (N,) bool
+        Pieces to cut on a precision grid from the start: those where segments continue each other whose ends are equal
+        only up to rounding. In line with each other, they would miss each other by a hair and cut nothing off.
 
     Returns
     -------
@@ -45,12 +49,10 @@ def cut_pieces(face: np.ndarray, piece: np.ndarray, cuts: Cuts):
     ExactError
         If the cells of a piece do not fill it even then.
     """
-    order = np.argsort(cuts.face, kind="stable")
-    segment_face = cuts.face[order]
-    first, last = np.searchsorted(segment_face, face, "left"), np.searchsorted(segment_face, face, "right")
+    first, last = np.searchsorted(cuts.face, face, "left"), np.searchsorted(cuts.face, face, "right")
     count = last - first
     owner = np.repeat(np.arange(len(face)), count)
-    chosen = order[np.repeat(first - (np.cumsum(count) - count), count) + np.arange(count.sum())]
+    chosen = np.repeat(first - (np.cumsum(count) - count), count) + np.arange(count.sum())
     ends = np.stack([cuts.start[chosen], cuts.end[chosen]], axis=1)
     lines = np.asarray(shapely.linestrings(ends))
     outline, outline_owner = shapely.get_parts(shapely.boundary(piece), return_index=True)
@@ -58,34 +60,35 @@ def cut_pieces(face: np.ndarray, piece: np.ndarray, cuts: Cuts):
     everything_owner = np.concatenate([outline_owner, owner])
     by_owner = np.argsort(everything_owner, kind="stable")
     drawing = np.asarray(shapely.multilinestrings(everything[by_owner], indices=everything_owner[by_owner]))
-    origin, cell = _cells(piece, drawing, grid_size=None)
-    missing = _unfilled(piece, origin, cell)
-    if len(missing):
-        keep = ~np.isin(origin, missing)
-        again, again_cell = _cells(piece[missing], drawing[missing], grid_size=GRID_SIZE)
-        still = _unfilled(piece[missing], again, again_cell)
-        if len(still):
-            raise ExactError(
-                f"face {face[missing[still[0]]]} could not be cut into its visible pieces within "
-                f"{FILL_TOLERANCE:g} of its area; please report the mesh"
-            )
-        origin = np.concatenate([origin[keep], missing[again]])
-        cell = np.concatenate([cell[keep], again_cell])
-        by_origin = np.argsort(origin, kind="stable")
-        origin, cell = origin[by_origin], cell[by_origin]
-    return origin, cell, len(missing)
+    first_try = _cells(piece, drawing, np.flatnonzero(~on_grid), grid_size=None)
+    failed = _unfilled(piece, *first_try, np.flatnonzero(~on_grid))
+    on_grid = on_grid.copy()
+    on_grid[failed] = True
+    second_try = _cells(piece, drawing, np.flatnonzero(on_grid), grid_size=GRID_SIZE)
+    still = _unfilled(piece, *second_try, np.flatnonzero(on_grid))
+    if len(still):
+        raise ExactError(
+            f"face {face[still[0]]} could not be cut into its visible pieces within {FILL_TOLERANCE:g} of its area; "
+            "please report the mesh"
+        )
+    keep = ~on_grid[first_try[0]]
+    origin = np.concatenate([first_try[0][keep], second_try[0]])
+    cell = np.concatenate([first_try[1][keep], second_try[1]])
+    order = np.argsort(origin, kind="stable")
+    return origin[order], cell[order], len(failed)
 
 
-def _cells(piece: np.ndarray, drawing: np.ndarray, grid_size: float | None):
-    """Cells inside each piece of the arrangement of its `drawing` of lines."""
-    noded = np.asarray(shapely.union_all(drawing[:, None], axis=1, grid_size=grid_size))
+def _cells(piece: np.ndarray, drawing: np.ndarray, chosen: np.ndarray, grid_size: float | None):
+    """Cells of the arrangement of the lines of each chosen `drawing` inside its piece, and which piece that is."""
+    noded = np.asarray(shapely.union_all(drawing[chosen, None], axis=1, grid_size=grid_size))
     collection = shapely.polygonize(noded[:, None], axis=1)  # pyright: ignore[reportCallIssue]
     cell, origin = shapely.get_parts(collection, return_index=True)
+    origin = chosen[origin]
     inside = shapely.contains_properly(piece[origin], shapely.point_on_surface(cell))
     return origin[inside], cell[inside]
 
 
-def _unfilled(piece: np.ndarray, origin: np.ndarray, cell: np.ndarray) -> np.ndarray:
-    """Pieces whose cells have not the same area in sum."""
+def _unfilled(piece: np.ndarray, origin: np.ndarray, cell: np.ndarray, chosen: np.ndarray) -> np.ndarray:
+    """Those of the chosen pieces whose cells have not the same area in sum."""
     total = np.bincount(origin, weights=shapely.area(cell), minlength=len(piece))
-    return np.flatnonzero(np.abs(total - shapely.area(piece)) > FILL_TOLERANCE)
+    return chosen[np.abs(total - shapely.area(piece))[chosen] > FILL_TOLERANCE]

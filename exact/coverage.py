@@ -1,51 +1,77 @@
-"""The part of every face that at least T cameras see: views added one block at a time, finished parts never again.
+"""The part of every face that at least T cameras see: views added one at a time, finished parts never again.
 
-Wachter 2021 unites the intersections of all C(M, T) combinations of views. Here each face starts whole; the cameras
-that cut it add their segments, and each resulting cell is asked for every camera. Parts that T cameras have seen are
-set aside, parts in the same state are merged, and the next block of cameras meets only what is left.
+Wachter 2021 unites the intersections of all C(M, T) combinations of views. Here each face starts whole, and a camera
+that sees only part of it cuts it. Parts that T cameras have seen are set aside, parts in the same state are merged,
+and the next camera meets only what is left.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 import shapely
 
 from exact.cameras import Camera
 from exact.clipping import cut_pieces, whole_faces
-from exact.occlusion import CUT, WHOLE, Cuts, Sight, look
+from exact.occlusion import CUT, WHOLE, Sight, look
 from exact.projection import project
 from exact.surface import Surface
 
-# Cameras per block: enough to finish most faces before anything is cut, few enough to keep the drawings small.
+# Cameras per block. Within a block no face is cut before all its cameras have been looked through, since most faces
+# are seen whole often enough and never need to be.
 BLOCK = 8
+# Cameras looked through at a time; faces that need no further view are not asked about again.
+LOOK_TOGETHER = 2
+
+
+@dataclass(frozen=True, eq=False)
+class Pieces:
+    """Parts of faces and the cameras that see them.
+
+    Attributes
+    ----------
+    face : (P,) int
+    polygon : (P,) polygons or multipolygons in the coordinates of their faces
+    seen : (P, M) bool
+        Cameras that see each piece, up to when it was finished. For merged pieces, one of several equivalent sets.
+    """
+
+    face: np.ndarray
+    polygon: np.ndarray
+    seen: np.ndarray
+
+    def take(self, chosen: np.ndarray) -> "Pieces":
+        """The chosen ones, by mask or index."""
+        return Pieces(self.face[chosen], self.polygon[chosen], self.seen[chosen])
+
+    @staticmethod
+    def joined(parts: Sequence["Pieces"]) -> "Pieces":
+        """All of several sets, by ascending face."""
+        face = np.concatenate([part.face for part in parts])
+        polygon = np.concatenate([part.polygon for part in parts])
+        seen = np.concatenate([part.seen for part in parts])
+        return Pieces(face, polygon, seen).take(np.argsort(face, kind="stable"))
 
 
 @dataclass(frozen=True, eq=False)
 class Tally:
-    """Which cameras see which part of which face.
-
-    A face is either whole, with one row in `whole_seen`, or in pieces.
+    """Which cameras see which part of which face: a face is either whole or in pieces that fill it.
 
     Attributes
     ----------
     whole_seen : (F, M) bool
-        Cameras that see the face, for faces not in pieces. Cameras that came after a face was finished stay False.
+        Cameras that see the face. Those that came after a face was finished stay False; so do faces in pieces.
     is_cut : (F,) bool
         Whether the face is in pieces.
-    piece_face : (P,) int
-    piece : (P,) polygons or multipolygons in the face's own coordinates; together they fill the face
-    piece_seen : (P, M) bool
-        Cameras that see each piece, up to when it was finished. For merged pieces, one of several equivalent sets.
+    pieces : Pieces
     n_repairs : int
     """
 
     whole_seen: np.ndarray
     is_cut: np.ndarray
-    piece_face: np.ndarray
-    piece: np.ndarray
-    piece_seen: np.ndarray
+    pieces: Pieces
     n_repairs: int
 
 
@@ -62,19 +88,22 @@ class Demand:
     def met(self, seen: np.ndarray) -> np.ndarray:
         """(N,) whether each row of `seen` (N, M) meets it."""
         enough = np.asarray(seen.sum(axis=1) >= self.threshold)
-        if self.far is None:
-            return enough
-        paired = (seen & (seen.astype(np.float32) @ self.far.astype(np.float32) > 0)).any(axis=1)
-        return enough & paired
+        return enough if self.far is None else enough & self._paired(seen)
 
     def state(self, seen: np.ndarray, coming: np.ndarray) -> np.ndarray:
         """(N, K) rows that are equal for parts that will meet the demand by the same future views `coming` (M,)."""
         count = np.minimum(seen.sum(axis=1), self.threshold)[:, None]
         if self.far is None:
             return count
-        reach = seen.astype(np.float32) @ self.far.astype(np.float32) > 0
-        paired = np.asarray((seen & reach).any(axis=1))
-        return np.concatenate([count, paired[:, None], reach[:, coming] & ~paired[:, None]], axis=1)
+        paired = self._paired(seen)[:, None]
+        return np.concatenate([count, paired, self._reach(seen)[:, coming] & ~paired], axis=1)
+
+    def _reach(self, seen: np.ndarray) -> np.ndarray:
+        """(N, M) whether each camera is far from one that sees the row's part."""
+        return seen.astype(np.float32) @ np.asarray(self.far, dtype=np.float32) > 0
+
+    def _paired(self, seen: np.ndarray) -> np.ndarray:
+        return np.asarray((seen & self._reach(seen)).any(axis=1))
 
 
 def spread_order(cameras: Sequence[Camera]) -> np.ndarray:
@@ -90,89 +119,96 @@ def spread_order(cameras: Sequence[Camera]) -> np.ndarray:
 
 
 def tally(
-    surface: Surface, cameras: Sequence[Camera], demand: Demand, active: np.ndarray, workers: int, report=None
+    surface: Surface,
+    cameras: Sequence[Camera],
+    demand: Demand,
+    active: np.ndarray,
+    workers: int,
+    report: Callable[[int], object] | None = None,
 ) -> Tally:
     """Count the views of every part of the `active` faces, (F,) bool, until it meets `demand`."""
     n_faces, n_cameras = len(surface.faces), len(cameras)
     whole_seen = np.zeros((n_faces, n_cameras), dtype=bool)
     is_cut = np.zeros(n_faces, dtype=bool)
     active = active & (surface.areas > 0)
-    done: list[tuple] = []
-    face, piece, seen = np.zeros(0, dtype=int), np.zeros(0, dtype=object), np.zeros((0, n_cameras), dtype=bool)
+    pieces = Pieces(np.zeros(0, dtype=int), np.zeros(0, dtype=object), np.zeros((0, n_cameras), dtype=bool))
+    done = [pieces]
     n_repairs = 0
-    order = spread_order(cameras)
     coming = np.ones(n_cameras, dtype=bool)
     _ = surface.intersections  # found once, before several threads ask for them
     with ThreadPoolExecutor(max_workers=workers) as pool:
-        for block in np.split(order, range(BLOCK, n_cameras, BLOCK)):
-
-            def sight_of(i, active=active):
-                return look(project(surface, cameras[i]), active)
-
-            sights = list(pool.map(sight_of, block))
+        for block in np.split(spread_order(cameras), range(BLOCK, n_cameras, BLOCK)):
+            sights: list[Sight] = []
+            for together in np.split(block, range(LOOK_TOGETHER, len(block), LOOK_TOGETHER)):
+                found = pool.map(lambda i, asked=active: look(project(surface, cameras[i]), asked), together)
+                for i, sight in zip(together, found, strict=True):
+                    sights.append(sight)
+                    whole_seen[~is_cut, i] = sight.status[~is_cut] == WHOLE
+                active = active & (is_cut | ~demand.met(whole_seen))
             coming[block] = False
-            status = np.stack([sight.status for sight in sights], axis=1)
             n_repairs += sum(sight.n_repairs for sight in sights)
-            untouched = active & ~is_cut
-            whole_seen[np.ix_(untouched, block)] = status[untouched] == WHOLE
-            finished = untouched & demand.met(whole_seen)
-            begins = untouched & ~finished & (status == CUT).any(axis=1)
-            is_cut |= begins
-            new = np.flatnonzero(begins)
-            face = np.concatenate([face, new])
-            piece = np.concatenate([piece, whole_faces(len(new))])
-            seen = np.concatenate([seen, whole_seen[new]])
+            status = np.stack([sight.status for sight in sights], axis=1)
+            new = np.flatnonzero(active & ~is_cut & (status == CUT).any(axis=1))
+            pieces = Pieces.joined([pieces, Pieces(new, whole_faces(len(new)), whole_seen[new])])
+            is_cut[new] = True
             whole_seen[new] = False
-            face, piece, seen, repairs = _cut_and_ask(face, piece, seen, sights, status, block, pool, workers)
-            n_repairs += repairs
-            met = demand.met(seen)
-            done.append((face[met], piece[met], seen[met]))
-            face, piece, seen = face[~met], piece[~met], seen[~met]
-            if coming.any():
-                face, piece, seen = _merge(face, piece, seen, demand.state(seen, coming))
-            active = active & ~finished
-            active[is_cut] = False
-            active[face] = True
+            shares = [pieces.take(share) for share in _split_by_face(pieces.face, workers)]
+            refine = partial(_refine, sights=sights, status=status, block=block, demand=demand, coming=coming)
+            results = list(pool.map(refine, shares))
+            done += [result[0] for result in results]
+            pieces = Pieces.joined([result[1] for result in results])
+            n_repairs += sum(result[2] for result in results)
+            active = active & ~is_cut
+            active[pieces.face] = True
             if report is not None:
                 report(len(block))
             if not active.any():
                 break
-    done.append((face, piece, seen))
-    face, piece, seen = (np.concatenate([part[k] for part in done]) for k in range(3))
-    by_face = np.argsort(face, kind="stable")
-    return Tally(whole_seen, is_cut, face[by_face], piece[by_face], seen[by_face], n_repairs)
+    return Tally(whole_seen, is_cut, Pieces.joined([*done, pieces]), n_repairs)
 
 
-def _cut_and_ask(face, piece, seen, sights: list[Sight], status, block, pool, workers):
-    """Cut pieces by the segments of a block of cameras and record which of the cameras see each cell."""
-    if not len(face):
-        return face, piece, seen, 0
-    cuts = Cuts.joined([sight.cuts for sight in sights])
-    shares = [share for share in np.array_split(np.arange(len(face)), 4 * workers) if len(share)]
-    results = list(pool.map(lambda share: cut_pieces(face[share], piece[share], cuts), shares))
-    origin = np.concatenate([share[result[0]] for share, result in zip(shares, results, strict=True)])
-    cell = np.concatenate([result[1] for result in results])
-    face, seen = face[origin], seen[origin]
-    at = shapely.get_coordinates(shapely.point_on_surface(cell))
-    seen[:, block] = status[face] == WHOLE
-
-    def ask(k):
-        asked = np.flatnonzero(status[face, k] == CUT)
-        return asked, sights[k].sees(face[asked], at[asked])
-
-    for k, (asked, answer) in enumerate(pool.map(ask, range(len(block)))):
-        seen[asked, block[k]] = answer
-    return face, cell, seen, sum(result[2] for result in results)
+def _split_by_face(face: np.ndarray, n: int) -> list[np.ndarray]:
+    """Indices of `n` runs of about equal length of the ascending `face`, none of which divides a face."""
+    ends = np.searchsorted(face, face[np.arange(1, n) * len(face) // n]) if len(face) else []
+    return np.split(np.arange(len(face)), ends)
 
 
-def _merge(face, piece, seen, state):
+def _refine(pieces: Pieces, sights: list[Sight], status, block: np.ndarray, demand: Demand, coming: np.ndarray):
+    """Cut pieces along what each camera of a block sees of them; finished pieces, the others, number of repairs."""
+    pieces.seen[:, block] = status[pieces.face] == WHOLE
+    met = demand.met(pieces.seen)
+    done, pieces, n_repairs = [pieces.take(met)], pieces.take(~met), 0
+    coming = coming.copy()
+    coming[block] = True
+    for k, camera in enumerate(block):
+        coming[camera] = False
+        crossed = status[pieces.face, k] == CUT
+        if not crossed.any():
+            continue
+        rest, cut = pieces.take(~crossed), pieces.take(crossed)
+        origin, cell, repairs = cut_pieces(cut.face, cut.polygon, sights[k].cuts, sights[k].on_grid[cut.face])
+        n_repairs += repairs
+        cells = Pieces(cut.face[origin], cell, cut.seen[origin])
+        inner = shapely.get_coordinates(shapely.point_on_surface(cell))
+        cells.seen[:, camera] = sights[k].screen.sees(cells.face, inner)
+        met = demand.met(cells.seen)
+        done.append(cells.take(met))
+        left = cells.take(~met)
+        if coming.any():
+            left = _merged(left, demand.state(left.seen, coming))
+        pieces = Pieces.joined([rest, left])
+    return Pieces.joined(done), pieces, n_repairs
+
+
+def _merged(pieces: Pieces, state: np.ndarray) -> Pieces:
     """Unite the pieces of each face that are in the same state."""
-    if not len(face):
-        return face, piece, seen
-    key = np.concatenate([face[:, None], state], axis=1)
+    if not len(pieces.face):
+        return pieces
+    key = np.concatenate([pieces.face[:, None], state], axis=1)
     _, first, group = np.unique(key, axis=0, return_index=True, return_inverse=True)
     group = group.reshape(-1)
     order = np.argsort(group, kind="stable")
-    parts, owner = shapely.get_parts(piece[order], return_index=True)
+    parts, owner = shapely.get_parts(pieces.polygon[order], return_index=True)
     together = np.asarray(shapely.multipolygons(parts, indices=group[order][owner]))
-    return face[first], np.asarray(shapely.union_all(together[:, None], axis=1)), seen[first]
+    united = np.asarray(shapely.union_all(together[:, None], axis=1))
+    return Pieces(pieces.face[first], united, pieces.seen[first])

@@ -43,10 +43,10 @@ def view(mesh: trimesh.Trimesh, camera: Camera) -> View:
     every_face = np.ones(len(surface.faces), dtype=bool)
     seen = tally(surface, _checked_cameras([camera]), Demand(1, None), every_face, workers=1)
     whole = seen.whole_seen[:, 0] & ~seen.is_cut
-    visible = seen.piece_seen[:, 0]
-    face, first = np.unique(seen.piece_face[visible], return_index=True)
+    visible = seen.pieces.seen[:, 0]
+    face, first = np.unique(seen.pieces.face[visible], return_index=True)
     group = np.repeat(np.arange(len(face)), np.diff(np.append(first, visible.sum())))
-    piece = np.asarray(shapely.multipolygons(seen.piece[visible], indices=group))
+    piece = np.asarray(shapely.multipolygons(seen.pieces.polygon[visible], indices=group))
     piece = np.asarray(shapely.union_all(piece[:, None], axis=1))
     areas = np.where(whole, surface.areas, 0.0)
     areas[face] = 2 * surface.areas[face] * shapely.area(piece)
@@ -147,12 +147,12 @@ def evaluate(
     seen = tally(surface, cameras, demand, counted, int(workers), report)
 
     whole = counted & ~seen.is_cut & (surface.areas > 0)
-    whole_count, piece_count = seen.whole_seen.sum(axis=1), seen.piece_seen.sum(axis=1)
-    piece_area = 2 * surface.areas[seen.piece_face] * shapely.area(seen.piece)
-    whole_met, piece_met = whole & demand.met(seen.whole_seen), demand.met(seen.piece_seen)
+    whole_count, piece_count = seen.whole_seen.sum(axis=1), seen.pieces.seen.sum(axis=1)
+    piece_area = 2 * surface.areas[seen.pieces.face] * shapely.area(seen.pieces.polygon)
+    whole_met, piece_met = whole & demand.met(seen.whole_seen), demand.met(seen.pieces.seen)
 
     def face_areas(faces: np.ndarray, pieces: np.ndarray) -> np.ndarray:
-        in_pieces = np.bincount(seen.piece_face[pieces], weights=piece_area[pieces], minlength=len(surface.faces))
+        in_pieces = np.bincount(seen.pieces.face[pieces], weights=piece_area[pieces], minlength=len(surface.faces))
         return np.where(faces, surface.areas, 0.0) + np.minimum(in_pieces, surface.areas)
 
     levels = [

@@ -106,8 +106,8 @@ class Reconstruction:
         else:
             whole = np.minimum(tally.whole_seen.sum(axis=1), self.threshold) == level
             whole &= self._counted & ~tally.is_cut & (surface.areas > 0)
-            pieces = np.minimum(tally.piece_seen.sum(axis=1), self.threshold) == level
-        return _triangulated(self._mesh, np.flatnonzero(whole), tally.piece_face[pieces], tally.piece[pieces])
+            pieces = np.minimum(tally.pieces.seen.sum(axis=1), self.threshold) == level
+        return _triangulated(self._mesh, np.flatnonzero(whole), tally.pieces.face[pieces], tally.pieces.polygon[pieces])
 
 
 def _triangulated(mesh, whole: np.ndarray, piece_face: np.ndarray, piece: np.ndarray) -> trimesh.Trimesh:

@@ -1,0 +1,113 @@
+"""What can hide something inside one camera's field of view, in a form that is fast to search."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+
+from exact.projection import Image
+
+# Relative difference of depth below which two faces count as in the same place and neither hides the other.
+SAME_DEPTH = 1e-10
+# An image triangle thinner than this part of its longest side is a line: it hides nothing and is not seen.
+THINNEST_IMAGE = 1e-14
+# Slack with which a point on the common edge of two faces belongs to both (in parts of the face).
+ON_EDGE = 1e-12
+
+
+@dataclass(frozen=True, eq=False)
+class Screen:
+    """The triangles of an image that can hide something and whose boxes meet the field of view.
+
+    Attributes
+    ----------
+    image : Image
+    triangle : (N,) int
+        Which triangles of the image.
+    parent : (N,) int
+        Their faces.
+    x, y, inverse_depth : (N, 3) float
+        Their corners.
+    nearest, farthest : (N,) float
+        Greatest and least 1/depth of each.
+    tree : shapely.STRtree
+        Of their boxes.
+    """
+
+    image: Image
+    triangle: np.ndarray
+    parent: np.ndarray
+    x: np.ndarray
+    y: np.ndarray
+    inverse_depth: np.ndarray
+    nearest: np.ndarray
+    farthest: np.ndarray
+    tree: shapely.STRtree
+
+    @classmethod
+    def of(cls, image: Image) -> "Screen":
+        """The screen of an image."""
+        half_x, half_y = image.camera.half_extent
+        candidate = np.flatnonzero(hides(image)[image.parent])
+        corner = image.corners[candidate]
+        x, y = image.x[corner], image.y[corner]
+        box = x.min(axis=1), y.min(axis=1), x.max(axis=1), y.max(axis=1)
+        inside = (box[0] <= half_x) & (box[2] >= -half_x) & (box[1] <= half_y) & (box[3] >= -half_y)
+        side_x, side_y = x[:, 1:] - x[:, :1], y[:, 1:] - y[:, :1]
+        twice_area = np.abs(side_x[:, 0] * side_y[:, 1] - side_y[:, 0] * side_x[:, 1])
+        longest = np.maximum(box[2] - box[0], box[3] - box[1])
+        inside &= twice_area > THINNEST_IMAGE * longest**2
+        triangle = candidate[inside]
+        inverse_depth = image.inverse_depth[corner[inside]]
+        tree = shapely.STRtree(shapely.box(*(side[inside] for side in box)))
+        return cls(
+            image, triangle, image.parent[triangle], x[inside], y[inside], inverse_depth,
+            inverse_depth.max(axis=1), inverse_depth.min(axis=1), tree,
+        )  # fmt: skip
+
+    def sees(self, face: np.ndarray, inner: np.ndarray) -> np.ndarray:
+        """(N,) whether the camera sees the point with coordinates `inner` (N, 2) of each `face` (N,).
+
+        Seen means: the face turns its front to the camera, the point is ahead of the near plane, inside the field of
+        view, and no triangle is in front of it.
+        """
+        image = self.image
+        x, y, inverse_depth, ahead = image.locate(face, inner)
+        half_x, half_y = image.camera.half_extent
+        seen = ahead & image.front[face] & (np.abs(x) <= half_x) & (np.abs(y) <= half_y)
+        asked = np.flatnonzero(seen)
+        point, found = self.tree.query(shapely.points(x[asked], y[asked]))
+        point = asked[point]
+        limit = inverse_depth * (1 + SAME_DEPTH)
+        near_enough = (self.nearest[found] > limit[point]) & (self.parent[found] != face[point])
+        point, found = point[near_enough], found[near_enough]
+        weight = barycentric(self.x[found], self.y[found], x[point], y[point])
+        plane = (weight * self.inverse_depth[found]).sum(axis=1)
+        hidden = (weight.min(axis=1) >= -ON_EDGE) & (plane > limit[point])
+        seen[point[hidden]] = False
+        return seen
+
+
+def hides(image: Image) -> np.ndarray:
+    """(F,) whether a face can hide another.
+
+    From outside a closed surface every line of sight enters it through a front, so the fronts are enough. Backs hide
+    too if the surface is open or the camera may be inside.
+    """
+    low, high = image.surface.bounds
+    position = image.camera.position
+    if image.surface.closed and ((position < low) | (position > high)).any():
+        return image.front
+    return np.ones_like(image.front)
+
+
+def barycentric(x: np.ndarray, y: np.ndarray, at_x: np.ndarray, at_y: np.ndarray) -> np.ndarray:
+    """(N, 3) barycentric coordinates of image points in triangles with corners x, y (N, 3); exact at the corners."""
+    x0, x1, x2 = x[:, 0] - at_x, x[:, 1] - at_x, x[:, 2] - at_x
+    y0, y1, y2 = y[:, 0] - at_y, y[:, 1] - at_y, y[:, 2] - at_y
+    twice_area = (x[:, 1] - x[:, 0]) * (y[:, 2] - y[:, 0]) - (y[:, 1] - y[:, 0]) * (x[:, 2] - x[:, 0])
+    weight = np.empty((len(x), 3))
+    weight[:, 0] = (x1 * y2 - y1 * x2) / twice_area
+    weight[:, 1] = (x2 * y0 - y2 * x0) / twice_area
+    weight[:, 2] = (x0 * y1 - y0 * x1) / twice_area
+    return weight

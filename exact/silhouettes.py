@@ -1,0 +1,163 @@
+"""Along which segments the silhouettes, the border of the field of view and the near plane cut the faces they cross."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+
+from exact.projection import NEAR, Image
+from exact.screen import SAME_DEPTH, Screen, barycentric, hides
+
+# Segments are followed this far beyond a face (in parts of the face), so that they surely reach its outline.
+MARGIN = 1e-7
+# A segment from a corner that leaves the face at a smaller slope than this runs along the face's side.
+ALONG_SIDE = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Cuts:
+    """Segments that cut faces: the face of each, and its ends in the face's own coordinates, (N,), (N, 2), (N, 2)."""
+
+    face: np.ndarray
+    start: np.ndarray
+    end: np.ndarray
+
+    @staticmethod
+    def joined(parts: list["Cuts"]) -> "Cuts":
+        """All segments of several sets, by ascending face."""
+        face = np.concatenate([part.face for part in parts])
+        order = np.argsort(face, kind="stable")
+        start, end = (np.concatenate([getattr(part, which) for part in parts])[order] for which in ("start", "end"))
+        return Cuts(face[order], start, end)
+
+    def of_faces(self, chosen: np.ndarray) -> "Cuts":
+        """The segments of the `chosen` faces, (F,) bool."""
+        keep = chosen[self.face]
+        return Cuts(self.face[keep], self.start[keep], self.end[keep])
+
+
+@dataclass(frozen=True, eq=False)
+class _Ends:
+    """One end of each segment in the image: point number (-1 for none), x, y and 1/depth, all (N,)."""
+
+    point: np.ndarray
+    x: np.ndarray
+    y: np.ndarray
+    inverse_depth: np.ndarray
+
+    def take(self, chosen: np.ndarray) -> "_Ends":
+        return _Ends(self.point[chosen], self.x[chosen], self.y[chosen], self.inverse_depth[chosen])
+
+
+def crossings(screen: Screen, asked: np.ndarray) -> Cuts:
+    """Where something passes in front of the triangles of `screen` that are `asked` about, (N,) bool."""
+    image = screen.image
+    edges = _silhouettes(image)
+    half_x, half_y = image.camera.half_extent
+    border_x = half_x * np.array([-1.0, 1.0, 1.0, -1.0])
+    border_y = half_y * np.array([-1.0, -1.0, 1.0, 1.0])
+    # The border of the field of view cuts everything, as if it stood at the near plane.
+    nearest = np.full(4, 1 / (NEAR * image.camera.target_distance))
+    start, end = (
+        _Ends(
+            np.append(edges[:, k], np.full(4, -1)),
+            np.append(image.x[edges[:, k]], np.roll(border_x, -k)),
+            np.append(image.y[edges[:, k]], np.roll(border_y, -k)),
+            np.append(image.inverse_depth[edges[:, k]], nearest),
+        )
+        for k in (0, 1)
+    )
+    boxes = shapely.box(
+        np.minimum(start.x, end.x), np.minimum(start.y, end.y), np.maximum(start.x, end.x), np.maximum(start.y, end.y)
+    )
+    segment, found = screen.tree.query(boxes)
+    nearest = np.maximum(start.inverse_depth, end.inverse_depth) * (1 + SAME_DEPTH)
+    keep = asked[found] & (nearest[segment] >= screen.farthest[found])
+    segment, found = segment[keep], found[keep]
+    keep = _line_meets(screen, found, start.take(segment), end.take(segment))
+    segment, found = segment[keep], found[keep]
+    cuts = _clip(screen, found, start.take(segment), end.take(segment))
+    if image.frame is None:
+        return cuts
+    # A part of a face is cut off the rest along the near plane.
+    part = screen.triangle[asked & image.is_part[screen.triangle]]
+    frame, owner = image.frame[part], image.parent[part]
+    return Cuts.joined([cuts, *(Cuts(owner, frame[:, i], frame[:, j]) for i, j in ((0, 1), (1, 2), (2, 0)))])
+
+
+def _silhouettes(image: Image) -> np.ndarray:
+    """(S, 2) end points of the edges across which visibility can change.
+
+    An edge inside the front (or the back) of the surface hides nothing that its two faces do not hide together.
+    """
+    surface = image.surface
+    ahead = np.isfinite(image.x)
+    state = np.where(image.whole >= 0, image.front, 2).astype(np.int8)
+    between = state[surface.edge_faces[:, 0]] != state[surface.edge_faces[:, 1]]
+    loose = hides(image)[surface.loose_edge_faces]
+    edges = np.concatenate([surface.edges[between], surface.loose_edges[loose]])
+    edges = edges[ahead[edges].all(axis=1)]
+    parts = image.corners[image.is_part]
+    return np.concatenate([edges, parts[:, [0, 1]], parts[:, [1, 2]], parts[:, [2, 0]]])
+
+
+def _line_meets(screen: Screen, found: np.ndarray, start: _Ends, end: _Ends) -> np.ndarray:
+    """Whether the straight line through each segment meets the box-like neighbourhood of the triangle: a cheap sieve.
+
+    The slack is far above rounding; whatever passes is looked at closely.
+    """
+    along_x, along_y = end.x - start.x, end.y - start.y
+    side = [along_x * (screen.y[found, k] - start.y) - along_y * (screen.x[found, k] - start.x) for k in range(3)]
+    low, high = np.minimum(np.minimum(*side[:2]), side[2]), np.maximum(np.maximum(*side[:2]), side[2])
+    slack = 2 * MARGIN * (high - low)
+    return (low <= slack) & (high >= -slack)
+
+
+def _clip(screen: Screen, found: np.ndarray, start: _Ends, end: _Ends) -> Cuts:
+    """The parts of segments over the triangles `found` and not behind them, in the coordinates of their faces."""
+    image = screen.image
+    at_start = barycentric(screen.x[found], screen.y[found], start.x, start.y)
+    at_end = barycentric(screen.x[found], screen.y[found], end.x, end.y)
+    # Liang and Barsky: the segment's parameter runs from `enter` to `leave` over the (slightly enlarged) triangle.
+    a, b = at_start + MARGIN, at_end + MARGIN
+    t = np.divide(a, a - b, out=np.zeros_like(a), where=(a < 0) != (b < 0))
+    enter = np.where(a < 0, t, 0.0).max(axis=1)
+    leave = np.where(b < 0, t, 1.0).min(axis=1)
+    over = np.flatnonzero((enter <= leave) & ~((a < 0) & (b < 0)).any(axis=1))
+    found, at_start, at_end, enter, leave = found[over], at_start[over], at_end[over], enter[over], leave[over]
+    start, end = start.take(over), end.take(over)
+
+    corner = image.corners[screen.triangle[found]]
+    start_shared, end_shared = corner == start.point[:, None], corner == end.point[:, None]
+    has_start, has_end = start_shared.any(axis=1), end_shared.any(axis=1)
+    step = at_end - at_start
+    keep = ~(has_start & has_end)  # else it is the triangle's own edge
+    keep &= ~(has_start & _leads_away(step, start_shared))
+    keep &= ~(has_end & _leads_away(-step, end_shared))
+    inverse = screen.inverse_depth[found]
+
+    def lead(at: np.ndarray) -> np.ndarray:
+        """How far the segment is in front of the triangle, relative to the triangle's 1/depth."""
+        plane = ((at_start + at[:, None] * step) * inverse).sum(axis=1)
+        return (start.inverse_depth + at * (end.inverse_depth - start.inverse_depth) - plane) / plane
+
+    # At a common corner neither is in front: the other end tells.
+    first, last = np.where(has_start, -np.inf, lead(enter)), np.where(has_end, -np.inf, lead(leave))
+    keep &= np.maximum(first, last) > -SAME_DEPTH
+    found, inverse, step = found[keep], inverse[keep], step[keep]
+    ends = []
+    for at in (enter[keep], leave[keep]):
+        where = np.where(at[:, None] == 1.0, at_end[keep], at_start[keep] + at[:, None] * step)
+        weight = where * inverse  # perspective: 1/depth is affine in the image, the place in the plane is not
+        weight = weight / weight.sum(axis=1, keepdims=True)
+        if image.frame is None:
+            ends.append(weight[:, 1:])
+        else:
+            ends.append((weight[:, :, None] * image.frame[screen.triangle[found]]).sum(axis=1))
+    return Cuts(screen.parent[found], ends[0], ends[1])
+
+
+def _leads_away(step: np.ndarray, shared: np.ndarray) -> np.ndarray:
+    """Whether a segment from a corner of a triangle goes out of it at once; along a side is not out."""
+    clearly = ALONG_SIDE * np.abs(step).max(axis=1, keepdims=True)
+    return ((step < -clearly) & ~shared).any(axis=1)
