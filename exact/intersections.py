@@ -27,11 +27,14 @@ class Intersections:
     ----------
     face : (N,) int
         The face that is cut, in ascending order.
+    other : (N,) int
+        The face that cuts it.
     start, end : (N, 2) float
         Ends of the segment in the face's own coordinates (b1, b2), lengthened by `OVERSHOOT`.
     """
 
     face: np.ndarray
+    other: np.ndarray
     start: np.ndarray
     end: np.ndarray
 
@@ -79,7 +82,8 @@ def intersecting_faces(vertices: np.ndarray, faces: np.ndarray, has_area: np.nda
     # A mere touching point becomes a tiny segment, which cuts nothing off.
     extra = OVERSHOOT * np.divide(along, length, out=np.zeros_like(along), where=length > 0)
     order = np.argsort(face, kind="stable")
-    return Intersections(face[order], (start - extra)[order], (end + extra)[order])
+    other = np.concatenate([b, a])
+    return Intersections(face[order], other[order], (start - extra)[order], (end + extra)[order])
 
 
 def _close_pairs(vertices, faces, kept, margin):

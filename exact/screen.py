@@ -88,17 +88,16 @@ class Screen:
         return seen
 
 
-def hides(image: Image) -> np.ndarray:
-    """(F,) whether a face can hide another.
-
-    From outside a closed surface every line of sight enters it through a front, so the fronts are enough. Backs hide
-    too if the surface is open or the camera may be inside.
-    """
+def seen_from_outside(image: Image) -> bool:
+    """Whether the camera looks at solids from outside, so that each line of sight enters them through a front."""
     low, high = image.surface.bounds
     position = image.camera.position
-    if image.surface.closed and ((position < low) | (position > high)).any():
-        return image.front
-    return np.ones_like(image.front)
+    return bool(((position < low) | (position > high)).any()) and image.surface.solid
+
+
+def hides(image: Image) -> np.ndarray:
+    """(F,) whether a face can hide another: of solids seen from outside the fronts, else all faces."""
+    return image.front if seen_from_outside(image) else np.ones_like(image.front)
 
 
 def barycentric(x: np.ndarray, y: np.ndarray, at_x: np.ndarray, at_y: np.ndarray) -> np.ndarray:

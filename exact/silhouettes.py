@@ -6,7 +6,7 @@ import numpy as np
 import shapely
 
 from exact.projection import NEAR, Image
-from exact.screen import SAME_DEPTH, Screen, barycentric, hides
+from exact.screen import SAME_DEPTH, Screen, barycentric, hides, seen_from_outside
 
 # Segments are followed this far beyond a face (in parts of the face), so that they surely reach its outline.
 MARGIN = 1e-7
@@ -88,12 +88,16 @@ def crossings(screen: Screen, asked: np.ndarray) -> Cuts:
 def _silhouettes(image: Image) -> np.ndarray:
     """(S, 2) end points of the edges across which visibility can change.
 
-    An edge inside the front (or the back) of the surface hides nothing that its two faces do not hide together.
+    An edge inside the front (or the back) of the surface hides nothing that its two faces do not hide together. A
+    concave edge of a solid seen from outside is itself hidden: the line of sight reaches it through the solid, which
+    hides what is behind on either side of it.
     """
     surface = image.surface
     ahead = np.isfinite(image.x)
     state = np.where(image.whole >= 0, image.front, 2).astype(np.int8)
     between = state[surface.edge_faces[:, 0]] != state[surface.edge_faces[:, 1]]
+    if seen_from_outside(image):
+        between &= ~surface.edge_is_concave
     loose = hides(image)[surface.loose_edge_faces]
     edges = np.concatenate([surface.edges[between], surface.loose_edges[loose]])
     edges = edges[ahead[edges].all(axis=1)]

@@ -7,12 +7,16 @@ from threading import Lock
 
 import numpy as np
 import trimesh
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from exact.errors import ExactError
 from exact.intersections import Intersections, intersecting_faces
 
 # A face whose height is below this part of its longest edge has no normal that could be trusted: it counts as area 0.
 THINNEST_FACE = 1e-12
+# Below this angle [rad] an edge counts as flat rather than concave; flat edges keep their silhouettes.
+FLAT = 1e-9
 
 _CACHE: OrderedDict = OrderedDict()
 _CACHE_SIZE = 4
@@ -37,8 +41,14 @@ class Surface:
         Its two faces.
     loose_edges : (L, 2) int
         Edges of one face, or of more than two: always silhouettes.
+    edge_is_concave : (E,) bool
+        Whether the two faces of each edge clearly look at each other.
+    loose_edge_faces : (L,) int
+        One of the faces of each loose edge.
+    shell : (F,) int
+        Number of the edge-connected shell each face belongs to.
     closed : bool
-        Whether the mesh bounds a solid: every edge is run along as often forwards as backwards.
+        Whether every edge is run along as often forwards as backwards.
     """
 
     vertices: np.ndarray
@@ -46,14 +56,31 @@ class Surface:
     areas: np.ndarray
     edges: np.ndarray
     edge_faces: np.ndarray
+    edge_is_concave: np.ndarray
     loose_edges: np.ndarray
     loose_edge_faces: np.ndarray
+    shell: np.ndarray
     closed: bool
 
     @cached_property
     def intersections(self) -> Intersections:
         """The segments in which faces cut each other, in both faces' own coordinates."""
         return intersecting_faces(self.vertices, self.faces, self.areas > 0)
+
+    @cached_property
+    def solid(self) -> bool:
+        """Whether the mesh is made of closed shells, each outside out and none cutting itself.
+
+        Then a line of sight from outside passes a front before any back, which saves looking at backs at all.
+        """
+        own = self.intersections
+        corner = self.vertices[self.faces] - self.vertices[0]
+        cone = (np.cross(corner[:, 0], corner[:, 1]) * corner[:, 2]).sum(axis=1)
+        return bool(
+            self.closed
+            and (np.bincount(self.shell, weights=cone) >= 0).all()
+            and (self.shell[own.face] != self.shell[own.other]).all()
+        )
 
     @cached_property
     def bounds(self) -> np.ndarray:
@@ -118,13 +145,28 @@ def _build(points: np.ndarray, faces: np.ndarray) -> Surface:
     if not areas.any():
         raise ExactError(f"none of the {len(faces)} faces has an area; at least one is needed")
     edges, edge_faces, loose, loose_faces = _edges(faces, areas > 0, len(vertices))
+    graph = coo_array(
+        (np.ones(len(edges), dtype=np.int8), (edge_faces[:, 0], edge_faces[:, 1])), shape=(len(faces),) * 2
+    )
+    shell = connected_components(graph, directed=False)[1]
     closed = _is_closed(faces, len(vertices))
     # Relative to the first vertex: the volume of a closed mesh is the same from any point, the rounding is not.
     arm = corner - vertices[0]
     if closed and (np.cross(arm[:, 0], arm[:, 1]) * arm[:, 2]).sum() < 0:
         raise ExactError("the mesh is closed and inside out: all its normals point inwards; meshes.load(path, "
                          "repair=True) turns it, or call mesh.invert()")  # fmt: skip
-    return Surface(vertices, faces, areas, edges, edge_faces, loose, loose_faces, closed)
+    concave = _is_concave(vertices, faces, areas, edges, edge_faces)
+    return Surface(vertices, faces, areas, edges, edge_faces, concave, loose, loose_faces, shell, closed)
+
+
+def _is_concave(vertices, faces, areas, edges, edge_faces) -> np.ndarray:
+    """(E,) whether the second face of each edge rises clearly above the plane of the first."""
+    corner = vertices[faces]
+    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    away = corner.mean(axis=1)[edge_faces[:, 1]] - vertices[edges[:, 0]]
+    first = edge_faces[:, 0]
+    rise = (normal[first] * away).sum(axis=1)
+    return rise > FLAT * 2 * areas[first] * np.sqrt((away * away).sum(axis=1))
 
 
 def _half_edges(faces: np.ndarray, n_vertices: int):
