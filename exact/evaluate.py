@@ -7,8 +7,10 @@ import shapely
 import trimesh
 
 from exact.cameras import Camera
+from exact.clipping import whole_faces
 from exact.coverage import Demand, tally
 from exact.errors import ExactError
+from exact.projection import image_polygons
 from exact.results import Reconstruction, View
 from exact.surface import prepare
 
@@ -51,18 +53,10 @@ def view(mesh: trimesh.Trimesh, camera: Camera) -> View:
     areas = np.where(whole, surface.areas, 0.0)
     areas[face] = 2 * surface.areas[face] * shapely.area(piece)
 
-    def to_image(owner: np.ndarray, coordinates: np.ndarray) -> np.ndarray:
-        local = (surface.points(owner, coordinates) - camera.position) @ camera.rotation.T
-        return local[:, :2] / local[:, 2:] * camera.target_distance
-
     polygons = np.full(len(surface.faces), shapely.Polygon(), dtype=object)
     shown = np.flatnonzero(whole)
-    outline = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
-    corners = to_image(np.repeat(shown, 3), np.tile(outline, (len(shown), 1))).reshape(-1, 3, 2)
-    polygons[shown] = shapely.polygons(corners) if len(shown) else np.zeros(0, dtype=object)
-    if len(face):
-        coordinates, index = shapely.get_coordinates(piece, return_index=True)
-        polygons[face] = shapely.set_coordinates(piece.copy(), to_image(face[index], coordinates))
+    polygons[shown] = image_polygons(surface, camera, shown, whole_faces(len(shown)))
+    polygons[face] = image_polygons(surface, camera, face, piece)
     return View(camera, areas, polygons, seen.n_repairs, mesh, (shown, face, piece))
 
 

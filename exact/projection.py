@@ -7,6 +7,7 @@ On a plane 1/depth is affine in them, which is what decides who is in front of w
 from dataclasses import dataclass
 
 import numpy as np
+import shapely
 
 from exact.cameras import Camera
 from exact.surface import Surface
@@ -88,6 +89,17 @@ def project(surface: Surface, camera: Camera) -> Image:
         surface, camera, local[:, 0] * inverse_depth, local[:, 1] * inverse_depth, inverse_depth,
         corners, parent, is_part, frame, front, whole,
     )  # fmt: skip
+
+
+def image_polygons(surface: Surface, camera: Camera, face: np.ndarray, polygon: np.ndarray) -> np.ndarray:
+    """Polygons given in the coordinates of faces, as they appear in the plane through the target [mm right, mm down].
+
+    They must lie in front of the camera. An image may be degenerate where a face is seen nearly edge-on.
+    """
+    inner, index = shapely.get_coordinates(polygon, return_index=True)
+    local = (surface.points(face[index], inner) - camera.position) @ camera.rotation.T
+    image = local[:, :2] / local[:, 2:] * camera.target_distance
+    return np.asarray(shapely.set_coordinates(np.array(polygon, dtype=object), image))
 
 
 _UNIT_FRAME = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])

@@ -1,0 +1,69 @@
+"""A reconstruction as it looks from somewhere: hidden parts removed exactly, each part with its number of views."""
+
+import numpy as np
+import shapely
+
+from exact.cameras import Camera
+from exact.clipping import GRID_SIZE, whole_faces
+from exact.evaluate import view
+from exact.projection import image_polygons
+from exact.results import Reconstruction
+
+NOT_COUNTED = -1
+
+
+def seen_from(reconstruction: Reconstruction, camera: Camera) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """What `camera` shows of a reconstruction, cut where the number of views changes.
+
+    Parameters
+    ----------
+    reconstruction : Reconstruction
+    camera : Camera
+        Any camera; it need not be one of those that reconstruct.
+
+    Returns
+    -------
+    polygons : (N,) object
+        Visible regions in the plane through the camera's target [mm right, mm down]; they do not overlap.
+    n_views : (N,) int
+        How many cameras see each, at most the reconstruction's threshold; `NOT_COUNTED` for excluded faces.
+    face : (N,) int
+        The face each is part of.
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> from exact import Ring, evaluate
+    >>> ring, plate = Ring(), trimesh.creation.box((10, 10, 2))
+    >>> cameras = ring.cameras(ring.equidistant(2))
+    >>> polygons, n_views, face = seen_from(evaluate(plate, cameras), Camera.look_at((0, 0, 400), (0, 0, 0), (0, 1, 0)))
+    >>> n_views.tolist()
+    [2, 2]
+    """
+    surface, tally = reconstruction._surface, reconstruction._tally
+    whole, cut_face, cut_piece = view(reconstruction._mesh, camera)._parts
+    shown_face, shown = np.concatenate([whole, cut_face]), np.concatenate([whole_faces(len(whole)), cut_piece])
+    is_whole = np.arange(len(shown_face)) < len(whole)
+    count = np.minimum(tally.whole_seen.sum(axis=1), reconstruction.threshold)
+    count[~reconstruction._counted] = NOT_COUNTED
+    plain = ~tally.is_cut[shown_face]
+    # Faces in pieces: each piece that meets what is shown of its face, clipped to it unless the face is shown whole.
+    order = np.argsort(shown_face[~plain])
+    among = shown_face[~plain][order]
+    pieces = tally.pieces
+    at = np.searchsorted(among, pieces.face)
+    found = np.flatnonzero(
+        (at < len(among)) & (among[np.minimum(at, len(among) - 1)] == pieces.face) if len(among) else []
+    )
+    index = np.flatnonzero(~plain)[order][at[found]]
+    clipped = pieces.polygon[found].copy()
+    partly = ~is_whole[index]
+    clipped[partly] = shapely.intersection(clipped[partly], shown[index[partly]], grid_size=GRID_SIZE)
+    piece_count = np.minimum(pieces.seen[found].sum(axis=1), reconstruction.threshold)
+    face = np.concatenate([shown_face[plain], pieces.face[found]])
+    polygon = np.concatenate([shown[plain], clipped])
+    n_views = np.concatenate([count[shown_face[plain]], piece_count])
+    parts, owner = shapely.get_parts(polygon, return_index=True)
+    areal = shapely.get_dimensions(parts) == 2  # an intersection may leave points and lines, which show nothing
+    parts, owner = parts[areal], owner[areal]
+    return image_polygons(surface, camera, face[owner], parts), n_views[owner], face[owner]
