@@ -31,7 +31,7 @@ class Opening:
     exponent: float = 2.0
 
     def polygon(self) -> np.ndarray:
-        """(corners, 2) the exact outline of the opening in the top surface, counter-clockwise [mm]."""
+        """(corners, 2) the exact outline of the channel, counter-clockwise [mm]."""
         angle = 2 * np.pi * np.arange(self.corners) / self.corners
         cosine, sine = np.cos(angle), np.sin(angle)
         power = 2 / self.exponent
@@ -42,6 +42,21 @@ class Opening:
             ],
             axis=1,
         )
+
+    def distance(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """(N,) about the distance of points of the plane to the smooth curve [mm]; positive inside.
+
+        The polygon's corners would be cut by triangles that lean by more than the angle at which cameras see a
+        wall; between two of the curve's points the wall is as upright as the triangles are small.
+        """
+        u, v = np.abs(x) / self.half_axes[0], np.abs(y) / self.half_axes[1]
+        level = (u**self.exponent + v**self.exponent) ** (1 / self.exponent)
+        safe = np.where(level > 0, level, 1.0)
+        slope = np.hypot(
+            (u / safe) ** (self.exponent - 1) / self.half_axes[0],
+            (v / safe) ** (self.exponent - 1) / self.half_axes[1],
+        )
+        return np.where(level > 0, (1 - level) / np.where(level > 0, slope, 1.0), min(self.half_axes))
 
 
 @dataclass(frozen=True)
@@ -69,6 +84,8 @@ class Anatomy:
         Height over which the flare goes back to nothing [mm].
     uneven : tuple of float
         Amplitude and wavelength of the unevenness of wall and floor [mm].
+    uneven_height : float
+        Height above which the wall is even [mm].
     fillet : float
         Width of the rounding where floor and wall meet [mm].
     vessels, furrows : tuple of tubes
@@ -86,6 +103,7 @@ class Anatomy:
     flare: float = 0.0
     flare_height: float = 15.0
     uneven: tuple[float, float] = (0.0, 10.0)
+    uneven_height: float = 15.0
     fillet: float = 4.0
     vessels: tuple[Knots, ...] = ()
     furrows: tuple[Knots, ...] = ()
@@ -95,6 +113,11 @@ class Anatomy:
     seed: int = 1
 
 
+WALL_UNEVEN = 0.5  # the wall's unevenness as a part of the floor's
+# Below `top` the channel narrows downwards by this slope, about 1 degree. Opposite cameras see a wall at 2 to 4 degrees;
+# on an upright one triangles of the coarse meshes would lean out of sight here and there.
+FUNNEL = 0.02
+WALL_STRETCH = 25.0  # how much longer the unevenness of the wall is along z
 VESSEL_FILLET = 0.8  # rounding where a vessel lies on its bed [mm]: as fine as the coarse meshes can show
 FURROW_FILLET = 1.5
 BULGE_FILLET = 4.0
@@ -115,15 +138,11 @@ def _floor_height(anatomy: Anatomy, opening: Opening, x: np.ndarray, y: np.ndarr
     return np.minimum(bowl, 2 * anatomy.bowl) + slope - start
 
 
-def air(anatomy: Anatomy, opening: Opening, rim: float, lip: float, points: np.ndarray) -> np.ndarray:
-    """Field of the air in a site.
+def air(anatomy: Anatomy, opening: Opening, points: np.ndarray) -> np.ndarray:
+    """Field of the air at the bottom of a site, up to `anatomy.top`.
 
     Parameters
     ----------
-    rim : float
-        Height of the lower edge of the exact rim [mm]; towards it the wall becomes plain.
-    lip : float
-        By how much the wall stands inside the opening there [mm].
     points : (N, 3) ndarray
 
     Returns
@@ -134,10 +153,11 @@ def air(anatomy: Anatomy, opening: Opening, rim: float, lip: float, points: np.n
     x, y, z = points.T
     amplitude, wavelength = anatomy.uneven
     uneven = amplitude * field.ripple(x, y, z, wavelength, anatomy.seed)
+    shaped = _smooth_step(1 - z / anatomy.uneven_height)
+    # Cameras see a wall at about 2 degrees: it must be far more even along z than around, or it would hide itself.
+    fluted = WALL_UNEVEN * amplitude * field.ripple(x, y, z / WALL_STRETCH, wavelength, anatomy.seed)
     widening = anatomy.flare * _smooth_step(1 - z / anatomy.flare_height)
-    plain = _smooth_step((rim - z) / 8.0)  # 0 at the rim, 1 from 8 mm below it
-    half_axes = np.array(opening.half_axes)
-    wall = field.superellipse(x, y, half_axes, opening.exponent) - lip + plain * (uneven + widening)
+    wall = opening.distance(x, y) - FUNNEL * (anatomy.top - z) + shaped * fluted + widening
 
     floor_z = _floor_height(anatomy, opening, x, y)
     step = 0.01  # [mm], for the slope by differences

@@ -93,15 +93,6 @@ def ellipsoid(points: np.ndarray, centre: np.ndarray, radii: np.ndarray) -> np.n
     return np.where(slope > 0, level * (level - 1) / np.where(slope > 0, slope, 1.0), -radii.min())
 
 
-def superellipse(x: np.ndarray, y: np.ndarray, half_axes: np.ndarray, exponent: float) -> np.ndarray:
-    """(N,) about the distance of points in the plane to the curve |x/a|^p + |y/b|^p = 1; positive inside."""
-    u, v = np.abs(x) / half_axes[0], np.abs(y) / half_axes[1]
-    level = (u**exponent + v**exponent) ** (1 / exponent)
-    safe = np.where(level > 0, level, 1.0)
-    slope = np.hypot((u / safe) ** (exponent - 1) / half_axes[0], (v / safe) ** (exponent - 1) / half_axes[1])
-    return np.where(level > 0, (1 - level) / np.where(level > 0, slope, 1.0), half_axes.min())
-
-
 def ripple(x: np.ndarray, y: np.ndarray, z: np.ndarray, wavelength: float, seed: int) -> np.ndarray:
     """Smooth, deterministic unevenness of mean 0 and amplitude about 1: a few plane waves in fixed directions."""
     # An explicit bit generator: numpy promises that its stream never changes.

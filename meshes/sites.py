@@ -48,8 +48,12 @@ class Site:
     block: float = 60.0
 
 
-# The corners are what the published areas with and without top surface show (Wachter 2021, Tables A1 and A2).
+# The corners are what the published areas with and without top surface show (Wachter 2021, Tables A1 to A3): the
+# difference is the field of view's share of the top surface, less the opening. For the elliptical sites it fits a block
+# 60 mm wide and an opening of about 784 mm2, somewhat fuller than the ellipse 42.5 mm by 22.5 mm (751 mm2).
 CIRCULAR = (Opening((12.5, 12.5), corners=39), Opening((12.5, 12.5), corners=34))
+ELLIPTICAL = (Opening((21.25, 11.25), corners=48, exponent=2.3),) * 2
+PAPER_DEPTHS = (50.0, 100.0)
 
 SITES: dict[str, Site] = {
     site.name: site
@@ -57,16 +61,37 @@ SITES: dict[str, Site] = {
         Site(
             "circ_flat",
             "gentle floor with small vessels close to it",
-            (50, 100),
+            PAPER_DEPTHS,
             CIRCULAR,
             PAPER_ANATOMY["circ_flat"],
         ),
         Site(
+            "circ_angled",
+            "vessels, furrows and undercuts rising towards one side",
+            PAPER_DEPTHS,
+            CIRCULAR,
+            PAPER_ANATOMY["circ_angled"],
+        ),
+        Site(
             "circ_artery",
-            "the same and a thick artery with a branch across the channel, 30 mm above the floor",
-            (50, 100),
+            "gentle floor and a thick artery with a branch across the channel, 30 mm above",
+            PAPER_DEPTHS,
             CIRCULAR,
             PAPER_ANATOMY["circ_artery"],
+        ),
+        Site(
+            "circ_overhang",
+            "vessels, furrows and undercuts under a large bulge from the wall",
+            PAPER_DEPTHS,
+            CIRCULAR,
+            PAPER_ANATOMY["circ_overhang"],
+        ),
+        Site(
+            "elliptical",
+            "overhangs, furrows and undercuts in an elliptical channel",
+            PAPER_DEPTHS,
+            ELLIPTICAL,
+            PAPER_ANATOMY["elliptical"],
         ),
     )
 }
@@ -126,7 +151,7 @@ def _edge(spec: Site, opening: Opening, depth: float, detail: str) -> float:
     """Edge length [mm] that gives about the number of faces asked for."""
     outline = opening.polygon()
     perimeter = np.linalg.norm(outline - np.roll(outline, 1, axis=0), axis=1).sum()
-    wall = perimeter * (min(depth, spec.anatomy.top) + max(depth - spec.anatomy.top, 0) / 2)
+    wall = perimeter * spec.anatomy.top
     floor = np.pi * opening.half_axes[0] * opening.half_axes[1]
     # Measured: a body-centred grid gives about 3.9 faces for a square of the edge length.
     return float(np.sqrt(3.9 * (wall + 1.5 * floor) / DETAILS[detail]))
