@@ -7,3 +7,11 @@ compared to 1e-9 rad, and single precision would move them.
 import jax
 
 jax.config.update("jax_enable_x64", True)
+
+from placement.constraints import Constraints  # noqa: E402 - after the switch to double precision
+from placement.errors import PlacementError  # noqa: E402
+from placement.optimise import optimise  # noqa: E402
+from placement.results import Candidate, Placement, SearchRecord  # noqa: E402
+from placement.settings import Settings  # noqa: E402
+
+__all__ = ["Candidate", "Constraints", "Placement", "PlacementError", "SearchRecord", "Settings", "optimise"]

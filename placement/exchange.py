@@ -132,7 +132,7 @@ class SampledCoverage:
     def _paired(self, theta: np.ndarray, seen: np.ndarray) -> np.ndarray:
         """(N,) bool: two cameras that see the point are far enough apart."""
         partners = self._far(theta, theta).astype(np.float32) @ seen.astype(np.float32) > 0
-        return (seen & partners).any(axis=0)
+        return np.any(seen & partners, axis=0)
 
 
 def _middle_of_best(values: np.ndarray, tolerance: float) -> int:

@@ -1,0 +1,128 @@
+"""A site as the optimiser sees it: samples on the faces turned towards the ring, and their profiles."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import trimesh
+
+import exact
+from placement.errors import PlacementError
+from placement.profiles import RingProfiles, Visibility, ring_profiles
+from placement.sampling import SurfaceSamples, checked_exclude, sample_surface
+from placement.settings import Settings
+
+
+@dataclass(frozen=True, eq=False)
+class SampledSite:
+    """Samples of one site and the profiles that a search needs.
+
+    Attributes
+    ----------
+    samples : SurfaceSamples
+        Points on the faces that are turned towards some camera of the ring and not excluded.
+    visibility : Visibility
+        For asking about further cameras.
+    profiles : RingProfiles
+        Of the points that some camera of the ring sees; those that all of them see are merged into one.
+    ring_area : float
+        Area [mm²] of the samples that `threshold` of the grid's angles see: what the samples say of the ring
+        maximum.
+    """
+
+    samples: SurfaceSamples
+    visibility: Visibility
+    profiles: RingProfiles
+    ring_area: float
+
+
+def sample_site(
+    mesh: trimesh.Trimesh,
+    ring: exact.Ring,
+    threshold: int,
+    exclude: np.ndarray | None = None,
+    settings: Settings | None = None,
+    seed: int = 0,
+) -> SampledSite:
+    """Sample `mesh` where the ring may see it and trace the ring profiles.
+
+    Parameters
+    ----------
+    mesh : trimesh.Trimesh
+        The site [mm].
+    ring : exact.Ring
+        Where cameras may be.
+    threshold : int
+        How many cameras must see a point.
+    exclude : (F,) ndarray of bool, optional
+        Faces that do not count; they still hide what is behind them.
+    settings : Settings, optional
+        Number of samples and angles.
+    seed : int
+        Of the sample points.
+
+    Raises
+    ------
+    PlacementError
+        If the mask does not fit, or no `threshold` cameras see a common point.
+
+    Examples
+    --------
+    >>> site = sample_site(trimesh.creation.box((10, 10, 1)), exact.Ring(), threshold=2)
+    >>> bool(100.0 <= site.ring_area < 140.0)  # the top and what is seen of the sides
+    True
+    """
+    settings = Settings() if settings is None else settings
+    excluded = checked_exclude(mesh, exclude)
+    towards = faces_towards(mesh, ring)
+    if not (towards & ~excluded).any():
+        raise PlacementError(
+            _blind(f"none of the {int((~excluded).sum())} faces that count is turned towards it", ring)
+        )
+    samples = sample_surface(mesh, settings.n_samples, exclude=excluded | ~towards, seed=seed)
+    visibility = Visibility(mesh)
+    profiles = ring_profiles(visibility, samples, ring, settings.n_angles, settings.bisections)
+    seen_from = profiles.visible.sum(axis=0)
+    if seen_from.max() == 0:
+        raise PlacementError(_blind(f"all {len(samples)} sample points are hidden or outside the field of view", ring))
+    if seen_from.max() < threshold:
+        raise PlacementError(f"no point is seen by {threshold} cameras anywhere on the ring; lower the threshold")
+    ring_area = float(samples.weights[seen_from >= threshold].sum())
+    return SampledSite(samples, visibility, _merged(profiles), ring_area)
+
+
+def faces_towards(mesh: trimesh.Trimesh, ring: exact.Ring) -> np.ndarray:
+    """(F,) bool: faces in front of which some point of the ring lies; all others are seen by no camera.
+
+    Examples
+    --------
+    >>> box = trimesh.creation.box((100, 100, 10))
+    >>> box.face_normals[faces_towards(box, exact.Ring())].tolist()
+    [[0.0, 0.0, 1.0], [0.0, 0.0, 1.0]]
+    """
+    east, north, west = ring.positions([0.0, np.pi / 2, np.pi])
+    centre = (east + west) / 2
+    normals = np.asarray(mesh.face_normals)
+    # The farthest the circle reaches along a normal: centre plus radius times the normal's part in its plane.
+    reach = normals @ centre + np.hypot(normals @ (east - centre), normals @ (north - centre))
+    return reach > np.einsum("fi,fi->f", normals, np.asarray(mesh.triangles)[:, 0])
+
+
+def _blind(reason: str, ring: exact.Ring) -> str:
+    return (
+        f"no camera on this ring sees anything: {reason}. The ring looks from {ring.working_distance:g} mm at the "
+        f"focus {ring.focus} [mm]; check units, orientation and position of the mesh"
+    )
+
+
+def _merged(profiles: RingProfiles) -> RingProfiles:
+    """Drop points that no angle sees; merge those that every angle sees into one (the last)."""
+    seen_from = profiles.visible.sum(axis=0)
+    always = (seen_from == profiles.n_angles) & (profiles.signed_distance.min(axis=0) >= np.pi)
+    decided = profiles.subset((seen_from > 0) & ~always)
+    if not always.any():
+        return decided
+    one = np.full((profiles.n_angles, 1), np.pi)
+    return RingProfiles(
+        np.concatenate([decided.signed_distance, one], axis=1),
+        np.append(decided.weights, profiles.weights[always].sum()),
+    )

@@ -1,0 +1,80 @@
+"""How a layout is searched for: every number of the method, in one place."""
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from placement.errors import PlacementError
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How a layout is searched for and scored.
+
+    Loosen with `dataclasses.replace`, for a test, say. Angles in radians.
+
+    Parameters
+    ----------
+    n_samples : int
+        Sample points on the faces that are turned towards the ring.
+    n_angles, bisections : int
+        Grid angles of the ring profiles, and further rays that locate each change of visibility between them.
+    temperatures : tuple of float
+        Falling widths of the soft step [rad]. The last one is as narrow as a move that the samples still feel.
+    max_steps : int
+        BFGS steps per temperature at most.
+    n_starts : int
+        Starts of the search; the equidistant layout at `n_start_phases` phases is among them.
+    n_start_phases : int
+        Phases of the equidistant layout that start a search.
+    n_grid : int
+        Angles for moving one camera at a time on the samples.
+    n_phases : int
+        Phases of the equidistant layout to compare with; all are covered on the samples.
+    exact_phases, exact_candidates : int
+        How many of the leading phases and of the leading distinct candidates are scored exactly.
+    distinct_tolerance : float
+        Two candidates are the same if no camera differs by more than this [rad].
+    polish_steps : tuple of float
+        Falling steps of moving one camera at a time under the exact area [rad]; empty for none.
+    polish_evaluations : int
+        Exact evaluations for that at most.
+    ring_cameras : int
+        Equidistant cameras whose exact area is the ring maximum.
+
+    Examples
+    --------
+    >>> import dataclasses
+    >>> quick = dataclasses.replace(Settings(), n_samples=500, n_starts=8, ring_cameras=32, polish_steps=())
+    >>> quick.n_starts
+    8
+    """
+
+    n_samples: int = 8192
+    n_angles: int = 120
+    bisections: int = 5
+    temperatures: tuple[float, ...] = (0.5, 0.2, 0.08, 0.03)
+    max_steps: int = 30
+    n_starts: int = 48
+    n_start_phases: int = 8
+    n_grid: int = 360
+    n_phases: int = 36
+    exact_phases: int = 3
+    exact_candidates: int = 6
+    distinct_tolerance: float = float(np.radians(1.0))
+    polish_steps: tuple[float, ...] = (0.02, 0.01, 0.005)
+    polish_evaluations: int = 24
+    ring_cameras: int = 360
+
+    def __post_init__(self):
+        least = {"n_angles": 4, "n_grid": 4, "bisections": 0, "polish_evaluations": 0, "n_start_phases": 0}
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if field.type is int or field.type == "int":
+                bound = least.get(field.name, 1)
+                if not isinstance(value, int | np.integer) or isinstance(value, bool) or value < bound:
+                    raise PlacementError(f"settings: {field.name} is {value!r}; it must be a whole number >= {bound}")
+        if not (self.temperatures and min(self.temperatures) > 0):
+            raise PlacementError(f"settings: temperatures are {self.temperatures!r}; at least one, all positive [rad]")
+        if any(step <= 0 for step in self.polish_steps) or self.distinct_tolerance < 0:
+            raise PlacementError("settings: polish_steps must be positive and distinct_tolerance not negative [rad]")
