@@ -49,20 +49,21 @@ def cut_pieces(face: np.ndarray, piece: np.ndarray, cuts: Cuts, on_grid: np.ndar
     ExactError
         If the cells of a piece do not fill it even then.
     """
-    first, last = np.searchsorted(cuts.face, face, "left"), np.searchsorted(cuts.face, face, "right")
-    count = last - first
-    owner = np.repeat(np.arange(len(face)), count)
-    chosen = np.repeat(first - (np.cumsum(count) - count), count) + np.arange(count.sum())
-    ends = np.stack([cuts.start[chosen], cuts.end[chosen]], axis=1)
-    lines = np.asarray(shapely.linestrings(ends))
-    outline, outline_owner = shapely.get_parts(shapely.boundary(piece), return_index=True)
-    everything = np.concatenate([outline, lines])
-    everything_owner = np.concatenate([outline_owner, owner])
-    by_owner = np.argsort(everything_owner, kind="stable")
-    drawing = np.asarray(shapely.multilinestrings(everything[by_owner], indices=everything_owner[by_owner]))
-    first_try = _cells(piece, drawing, np.flatnonzero(~on_grid), grid_size=None)
-    failed = _unfilled(piece, *first_try, np.flatnonzero(~on_grid))
-    on_grid = on_grid.copy()
+    owner, line = _segments_over(face, piece, cuts)
+    crossed = np.zeros(len(piece), dtype=bool)
+    crossed[owner] = True
+    whole, whole_owner = shapely.get_parts(piece[~crossed], return_index=True)
+    outline, outline_owner = shapely.get_parts(shapely.boundary(piece[crossed]), return_index=True)
+    everything = np.concatenate([outline, line])
+    everything_owner = np.concatenate([np.flatnonzero(crossed)[outline_owner], owner])
+    order = np.argsort(everything_owner, kind="stable")
+    drawing = np.full(len(piece), None, dtype=object)
+    number = np.cumsum(crossed) - 1
+    drawing[crossed] = shapely.multilinestrings(everything[order], indices=number[everything_owner[order]])
+    on_grid = on_grid & crossed
+    plain = np.flatnonzero(crossed & ~on_grid)
+    first_try = _cells(piece, drawing, plain, grid_size=None)
+    failed = _unfilled(piece, *first_try, plain)
     on_grid[failed] = True
     second_try = _cells(piece, drawing, np.flatnonzero(on_grid), grid_size=GRID_SIZE)
     still = _unfilled(piece, *second_try, np.flatnonzero(on_grid))
@@ -72,10 +73,27 @@ def cut_pieces(face: np.ndarray, piece: np.ndarray, cuts: Cuts, on_grid: np.ndar
             "please report the mesh"
         )
     keep = ~on_grid[first_try[0]]
-    origin = np.concatenate([first_try[0][keep], second_try[0]])
-    cell = np.concatenate([first_try[1][keep], second_try[1]])
+    origin = np.concatenate([np.flatnonzero(~crossed)[whole_owner], first_try[0][keep], second_try[0]])
+    cell = np.concatenate([whole, first_try[1][keep], second_try[1]])
     order = np.argsort(origin, kind="stable")
     return origin[order], cell[order], len(failed)
+
+
+def _segments_over(face: np.ndarray, piece: np.ndarray, cuts: Cuts):
+    """Lines of `cuts` that meet a piece of their face: the piece of each, (L,) int, and the line."""
+    first, last = np.searchsorted(cuts.face, face, "left"), np.searchsorted(cuts.face, face, "right")
+    count = last - first
+    owner = np.repeat(np.arange(len(face)), count)
+    chosen = np.repeat(first - (np.cumsum(count) - count), count) + np.arange(count.sum())
+    start, end = cuts.start[chosen], cuts.end[chosen]
+    low, high = np.minimum(start, end), np.maximum(start, end)
+    box = shapely.bounds(piece)[owner]
+    near = (low <= box[:, 2:] + GRID_SIZE).all(axis=1) & (high >= box[:, :2] - GRID_SIZE).all(axis=1)
+    owner = owner[near]
+    line = np.asarray(shapely.linestrings(np.stack([start[near], end[near]], axis=1)))
+    # Within the grid size is as good as touching, since the cutting may move lines by that much.
+    meets = shapely.dwithin(line, piece[owner], GRID_SIZE)
+    return owner[meets], line[meets]
 
 
 def _cells(piece: np.ndarray, drawing: np.ndarray, chosen: np.ndarray, grid_size: float | None):

@@ -188,15 +188,22 @@ def _refine(pieces: Pieces, sights: list[Sight], status, block: np.ndarray, dema
         rest, cut = pieces.take(~crossed), pieces.take(crossed)
         origin, cell, repairs = cut_pieces(cut.face, cut.polygon, sights[k].cuts, sights[k].on_grid[cut.face])
         n_repairs += repairs
-        cells = Pieces(cut.face[origin], cell, cut.seen[origin])
         inner = shapely.get_coordinates(shapely.point_on_surface(cell))
-        cells.seen[:, camera] = sights[k].screen.sees(cells.face, inner)
-        met = demand.met(cells.seen)
-        done.append(cells.take(met))
-        left = cells.take(~met)
+        answer = sights[k].screen.sees(cut.face[origin], inner)
+        # A piece all of whose cells got the same answer need not be cut.
+        n_cells, n_seen = np.bincount(origin, minlength=len(cut.face)), np.bincount(origin, answer, len(cut.face))
+        divided = (n_seen > 0) & (n_seen < n_cells)
+        cut.seen[:, camera] = n_seen > 0
+        of_divided = divided[origin]
+        cells = Pieces(cut.face[origin[of_divided]], cell[of_divided], cut.seen[origin[of_divided]])
+        cells.seen[:, camera] = answer[of_divided]
+        cut = cut.take(~divided)
+        met, cells_met = demand.met(cut.seen), demand.met(cells.seen)
+        done += [cut.take(met), cells.take(cells_met)]
+        cells = cells.take(~cells_met)
         if coming.any():
-            left = _merged(left, demand.state(left.seen, coming))
-        pieces = Pieces.joined([rest, left])
+            cells = _merged(cells, demand.state(cells.seen, coming))
+        pieces = Pieces.joined([rest, cut.take(~met), cells])
     return Pieces.joined(done), pieces, n_repairs
 
 

@@ -39,20 +39,20 @@ class Intersections:
     end: np.ndarray
 
 
-def intersecting_faces(vertices: np.ndarray, faces: np.ndarray, has_area: np.ndarray) -> Intersections:
+def intersecting_faces(vertices: np.ndarray, faces: np.ndarray, normals: np.ndarray) -> Intersections:
     """All segments in which two faces of a mesh meet other than along a common edge.
 
     Parameters
     ----------
     vertices : (V, 3) float [mm]
     faces : (F, 3) int
-    has_area : (F,) bool
-        Faces without area cut nothing.
+    normals : (F, 3) float
+        Unit normals, 0 for faces without area, which cut nothing.
     """
     centred = vertices - vertices.mean(axis=0)
     scale = np.abs(centred).max()
-    planes = _Planes.of(centred, faces, has_area, TOUCHING * scale)
-    a, b, shared = _close_pairs(centred, faces, np.flatnonzero(has_area), TOUCHING * scale)
+    planes = _Planes(centred, faces, normals, (normals * centred[faces[:, 0]]).sum(axis=1), TOUCHING * scale)
+    a, b, shared = _close_pairs(centred, faces, np.flatnonzero(normals.any(axis=1)), TOUCHING * scale)
     for _ in range(2):  # each face must reach to both sides of the other's plane; few pairs are left for the second
         straddles = planes.straddled(b, a, shared)
         a, b, shared = b[straddles], a[straddles], shared[straddles]
@@ -119,14 +119,6 @@ class _Planes:
     normal: np.ndarray
     offset: np.ndarray
     touching: float
-
-    @classmethod
-    def of(cls, vertices, faces, has_area, touching):
-        corner = vertices[faces]
-        normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
-        length = np.linalg.norm(normal, axis=1, keepdims=True)
-        normal = np.divide(normal, length, out=np.zeros_like(normal), where=has_area[:, None])
-        return cls(vertices, faces, normal, (normal * corner[:, 0]).sum(axis=1), touching)
 
     def distances(self, plane, face):
         """(N, 3) distance of the corners of `face` from the plane of another, 0 where they touch it [mm]."""

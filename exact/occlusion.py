@@ -52,7 +52,7 @@ class Sight:
 
 def look(image: Image, active: np.ndarray) -> Sight:
     """What the camera of `image` sees of the `active` faces, (F,) bool; all others count as hidden."""
-    screen = Screen.of(image)
+    screen = Screen.of(image, active)
     asked = (active & image.front)[screen.parent]
     status = np.zeros(len(image.front), dtype=np.int8)
     status[screen.parent[asked]] = WHOLE  # until something is found to cut or to hide it

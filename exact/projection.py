@@ -69,7 +69,7 @@ def project(surface: Surface, camera: Camera) -> Image:
     near = NEAR * camera.target_distance
     ahead = local[:, 2] > near
     faces = surface.faces
-    front = _front(local, surface)
+    front = _front(surface, camera)
     n_ahead = ahead[faces].sum(axis=1)
     proper = surface.areas > 0
     parent = np.flatnonzero((n_ahead == 3) & proper)
@@ -105,20 +105,11 @@ def image_polygons(surface: Surface, camera: Camera, face: np.ndarray, polygon: 
 _UNIT_FRAME = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
 
 
-def _front(local: np.ndarray, surface: Surface) -> np.ndarray:
-    """(F,) whether the camera, at the origin of `local`, is on the outer side of each face's plane."""
-    a, b, c = (local[surface.faces[:, k]] for k in range(3))
-    one, two = b - a, c - a
-    normal = np.stack(
-        [
-            one[:, 1] * two[:, 2] - one[:, 2] * two[:, 1],
-            one[:, 2] * two[:, 0] - one[:, 0] * two[:, 2],
-            one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0],
-        ],
-        axis=1,
-    )
-    height = (normal * a).sum(axis=1)
-    return height < -EDGE_ON * 2 * surface.areas * np.sqrt((a * a).sum(axis=1))
+def _front(surface: Surface, camera: Camera) -> np.ndarray:
+    """(F,) whether the camera is on the outer side of each face's plane."""
+    away = camera.position - surface.vertices[surface.faces[:, 0]]
+    height = (surface.normals * away).sum(axis=1)
+    return height > EDGE_ON * np.sqrt((away * away).sum(axis=1))
 
 
 def _clip_near(local: np.ndarray, faces: np.ndarray, cut: np.ndarray, ahead: np.ndarray, near: float):

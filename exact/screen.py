@@ -13,6 +13,8 @@ SAME_DEPTH = 1e-10
 THINNEST_IMAGE = 1e-14
 # Slack with which a point on the common edge of two faces belongs to both (in parts of the face).
 ON_EDGE = 1e-12
+# Cells along either side of the grid that finds what is near the active faces.
+CELLS = 128
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,23 +47,24 @@ class Screen:
     tree: shapely.STRtree
 
     @classmethod
-    def of(cls, image: Image) -> "Screen":
-        """The screen of an image."""
-        half_x, half_y = image.camera.half_extent
+    def of(cls, image: Image, active: np.ndarray) -> "Screen":
+        """The screen of an image, as far as it is needed to look at the `active` faces, (F,) bool."""
         candidate = np.flatnonzero(hides(image)[image.parent])
         corner = image.corners[candidate]
         x, y = image.x[corner], image.y[corner]
         box = x.min(axis=1), y.min(axis=1), x.max(axis=1), y.max(axis=1)
-        inside = (box[0] <= half_x) & (box[2] >= -half_x) & (box[1] <= half_y) & (box[3] >= -half_y)
+        inside = _near(box, (active & image.front)[image.parent[candidate]], image.camera.half_extent)
+        candidate, corner, x, y = candidate[inside], corner[inside], x[inside], y[inside]
+        box = tuple(side[inside] for side in box)
         side_x, side_y = x[:, 1:] - x[:, :1], y[:, 1:] - y[:, :1]
         twice_area = np.abs(side_x[:, 0] * side_y[:, 1] - side_y[:, 0] * side_x[:, 1])
         longest = np.maximum(box[2] - box[0], box[3] - box[1])
-        inside &= twice_area > THINNEST_IMAGE * longest**2
-        triangle = candidate[inside]
-        inverse_depth = image.inverse_depth[corner[inside]]
-        tree = shapely.STRtree(shapely.box(*(side[inside] for side in box)))
+        solid = twice_area > THINNEST_IMAGE * longest**2
+        triangle = candidate[solid]
+        inverse_depth = image.inverse_depth[corner[solid]]
+        tree = shapely.STRtree(shapely.box(*(side[solid] for side in box)))
         return cls(
-            image, triangle, image.parent[triangle], x[inside], y[inside], inverse_depth,
+            image, triangle, image.parent[triangle], x[solid], y[solid], inverse_depth,
             inverse_depth.max(axis=1), inverse_depth.min(axis=1), tree,
         )  # fmt: skip
 
@@ -86,6 +89,33 @@ class Screen:
         hidden = (weight.min(axis=1) >= -ON_EDGE) & (plane > limit[point])
         seen[point[hidden]] = False
         return seen
+
+
+def _near(box: tuple, active: np.ndarray, half_extent: np.ndarray) -> np.ndarray:
+    """Which boxes (left, low, right, high, each (N,)) meet the field of view and a cell that an active one meets.
+
+    The cells are those of a coarse grid over the field of view. Late in a long row of cameras few faces are active,
+    and most of what could hide something has nothing left to hide.
+    """
+    cell = [
+        np.floor((side + half_extent[k % 2]) / (2 * half_extent[k % 2]) * CELLS).clip(-1, CELLS).astype(int)
+        for k, side in enumerate(box)
+    ]
+    inside = (cell[2] >= 0) & (cell[3] >= 0) & (cell[0] <= CELLS) & (cell[1] <= CELLS)
+    inside &= (box[0] <= half_extent[0]) & (box[1] <= half_extent[1])
+    left, low, right, high = (side.clip(0, CELLS - 1) for side in cell)
+    asked = active & inside
+    # Mark all cells of each active box by its corners, sum up to have the marks, sum again to count them in any box.
+    marks = np.zeros((CELLS + 1, CELLS + 1), dtype=int)
+    np.add.at(marks, (left[asked], low[asked]), 1)
+    np.add.at(marks, (right[asked] + 1, low[asked]), -1)
+    np.add.at(marks, (left[asked], high[asked] + 1), -1)
+    np.add.at(marks, (right[asked] + 1, high[asked] + 1), 1)
+    marked = marks.cumsum(axis=0).cumsum(axis=1)[:CELLS, :CELLS] > 0
+    count = np.zeros((CELLS + 1, CELLS + 1), dtype=int)
+    count[1:, 1:] = marked.cumsum(axis=0).cumsum(axis=1)
+    met = count[right + 1, high + 1] - count[left, high + 1] - count[right + 1, low] + count[left, low]
+    return inside & (met > 0)
 
 
 def seen_from_outside(image: Image) -> bool:

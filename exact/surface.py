@@ -35,6 +35,8 @@ class Surface:
         In the order of the mesh.
     areas : (F,) float
         Area of each face [mm²], 0 for a face without a normal.
+    normals : (F, 3) float
+        Unit normals, 0 for a face without one.
     edges : (E, 2) int
         The two vertices of each edge between exactly two faces that run along it in opposite directions.
     edge_faces : (E, 2) int
@@ -54,6 +56,7 @@ class Surface:
     vertices: np.ndarray
     faces: np.ndarray
     areas: np.ndarray
+    normals: np.ndarray
     edges: np.ndarray
     edge_faces: np.ndarray
     edge_is_concave: np.ndarray
@@ -65,7 +68,7 @@ class Surface:
     @cached_property
     def intersections(self) -> Intersections:
         """The segments in which faces cut each other, in both faces' own coordinates."""
-        return intersecting_faces(self.vertices, self.faces, self.areas > 0)
+        return intersecting_faces(self.vertices, self.faces, self.normals)
 
     @cached_property
     def solid(self) -> bool:
@@ -140,8 +143,11 @@ def _build(points: np.ndarray, faces: np.ndarray) -> Surface:
     corner = vertices[faces]
     sides = corner[:, [1, 2, 0]] - corner
     longest_squared = (sides**2).sum(axis=2).max(axis=1)
-    areas = 0.5 * np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
-    areas = np.where(areas > 0.5 * THINNEST_FACE * longest_squared, areas, 0.0)
+    normals = np.cross(sides[:, 0], sides[:, 1])
+    twice_areas = np.linalg.norm(normals, axis=1)
+    has_area = twice_areas > THINNEST_FACE * longest_squared
+    areas = np.where(has_area, 0.5 * twice_areas, 0.0)
+    normals = np.divide(normals, twice_areas[:, None], out=np.zeros_like(normals), where=has_area[:, None])
     if not areas.any():
         raise ExactError(f"none of the {len(faces)} faces has an area; at least one is needed")
     edges, edge_faces, loose, loose_faces = _edges(faces, areas > 0, len(vertices))
@@ -155,18 +161,15 @@ def _build(points: np.ndarray, faces: np.ndarray) -> Surface:
     if closed and (np.cross(arm[:, 0], arm[:, 1]) * arm[:, 2]).sum() < 0:
         raise ExactError("the mesh is closed and inside out: all its normals point inwards; meshes.load(path, "
                          "repair=True) turns it, or call mesh.invert()")  # fmt: skip
-    concave = _is_concave(vertices, faces, areas, edges, edge_faces)
-    return Surface(vertices, faces, areas, edges, edge_faces, concave, loose, loose_faces, shell, closed)
+    concave = _is_concave(vertices, faces, normals, edges, edge_faces)
+    return Surface(vertices, faces, areas, normals, edges, edge_faces, concave, loose, loose_faces, shell, closed)
 
 
-def _is_concave(vertices, faces, areas, edges, edge_faces) -> np.ndarray:
+def _is_concave(vertices, faces, normals, edges, edge_faces) -> np.ndarray:
     """(E,) whether the second face of each edge rises clearly above the plane of the first."""
-    corner = vertices[faces]
-    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
-    away = corner.mean(axis=1)[edge_faces[:, 1]] - vertices[edges[:, 0]]
-    first = edge_faces[:, 0]
-    rise = (normal[first] * away).sum(axis=1)
-    return rise > FLAT * 2 * areas[first] * np.sqrt((away * away).sum(axis=1))
+    away = vertices[faces[edge_faces[:, 1]]].mean(axis=1) - vertices[edges[:, 0]]
+    rise = (normals[edge_faces[:, 0]] * away).sum(axis=1)
+    return rise > FLAT * np.sqrt((away * away).sum(axis=1))
 
 
 def _half_edges(faces: np.ndarray, n_vertices: int):

@@ -1,0 +1,41 @@
+"""camring site: the built-in reference sites as mesh files."""
+
+from pathlib import Path
+
+from rich.console import Console
+from rich.table import Table
+
+import meshes
+from experiments.errors import InputError
+from experiments.files import output_file, written_whole
+from experiments.inputs import subject
+
+
+def run(
+    name: str | None, depth: float | None, detail: str | None, listing: bool, out: Path | None, force: bool
+) -> None:
+    """List the sites, or write one."""
+    if listing:
+        table = Table("site", "depths [mm]", "field of view [mm]", "what it shows")
+        for site in meshes.SITES.values():
+            depths = ", ".join(f"{d:g}" for d in site.depths)
+            table.add_row(site.name, depths, f"{site.fov[0]:g} x {site.fov[1]:g}", site.title)
+        Console().print(table)
+        return
+    if name is None:
+        raise InputError("which site? Give its name, or --list to see them all")
+    if out is None:
+        raise InputError("where to? Give --out with a mesh file, as in --out site.stl")
+    if name not in meshes.SITES:
+        raise meshes.MeshError(f"there is no site {name!r}; choose one of {', '.join(meshes.SITES)}")
+    if out.suffix.lower() not in (".stl", ".ply", ".obj"):
+        raise InputError(f"--out is {out}; its ending must be .stl, .ply or .obj")
+    output_file(out, force)
+    about = subject(name, depth, detail)
+    with written_whole(out) as temporary:
+        about.mesh.export(temporary)
+    size = about.mesh.extents
+    print(
+        f"{out}: {about.name}, {len(about.mesh.faces)} faces, {about.mesh.area:.1f} mm², "
+        f"{size[0]:.1f} x {size[1]:.1f} x {size[2]:.1f} mm, watertight"
+    )

@@ -1,0 +1,73 @@
+"""Write results so that a file is either absent or whole, and never silently replaces another."""
+
+import os
+import tempfile
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from experiments.errors import InputError
+
+
+@contextmanager
+def written_whole(path: Path) -> Iterator[Path]:
+    """A temporary path in the same folder that becomes `path` when the block ends without an error.
+
+    Examples
+    --------
+    >>> folder = Path(tempfile.mkdtemp())
+    >>> with written_whole(folder / "areas.csv") as temporary:
+    ...     _ = temporary.write_text("face,area_mm2")
+    >>> [file.name for file in folder.iterdir()]
+    ['areas.csv']
+    """
+    # The ending stays last: writers of pictures and meshes choose their format by it.
+    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem[:40]}-", suffix=path.suffix)
+    os.close(handle)
+    temporary = Path(name)
+    try:
+        yield temporary
+        os.chmod(temporary, 0o666 & ~_umask())  # mkstemp's own mode lets nobody else read a result
+        os.replace(temporary, path)
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def _umask() -> int:
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask
+
+
+def output_folder(folder: Path, names: Iterable[str], force: bool) -> Path:
+    """Make `folder`, ready for files of these names, before anything is computed.
+
+    Raises
+    ------
+    InputError
+        If it is not a folder, cannot be written to, or holds one of the files already and `force` is not given.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except FileExistsError as error:
+        raise InputError(f"output folder {folder} is a file; give a folder with --out") from error
+    except OSError as error:
+        raise InputError(
+            f"cannot write to output folder {folder}: {error.strerror}; give another one with --out"
+        ) from error
+    present = [name for name in names if (folder / name).exists()]
+    if present and not force:
+        raise InputError(
+            f"{folder} already holds {', '.join(present)}; give another folder with --out, or --force to replace them"
+        )
+    return folder
+
+
+def output_file(path: Path, force: bool) -> Path:
+    """Make sure that the single file `path` can be written; errors as for `output_folder`."""
+    if path.is_dir():
+        raise InputError(f"{path} is a folder; give a file with --out")
+    output_folder(path.parent, [path.name], force)
+    return path

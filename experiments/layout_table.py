@@ -1,0 +1,82 @@
+"""The table of layouts that `optimise` and `compare` print and write."""
+
+import csv
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from rich.table import Table
+
+from experiments.files import written_whole
+
+
+@dataclass(frozen=True, eq=False)
+class Row:
+    """One layout and its figures.
+
+    Attributes
+    ----------
+    name : str
+    angles : (M,) ndarray
+        Ring angles [rad].
+    area, fraction : float
+        Exact reconstructable area [mm²], and over the ring maximum.
+    gain : float or None
+        Fraction more than the layout everything is compared with; None for that layout itself.
+    smallest_separation : float
+        Least chord between two cameras [mm]; infinite for one camera.
+    widest_angle, mean_angle : float
+        Widest and mean best triangulation angle over the reconstructable area [rad].
+    """
+
+    name: str
+    angles: np.ndarray
+    area: float
+    fraction: float
+    gain: float | None
+    smallest_separation: float
+    widest_angle: float
+    mean_angle: float
+
+
+def table(rows: Sequence[Row], compared_with: str) -> Table:
+    """For the terminal."""
+    shown = Table(
+        "layout", "exact area\n[mm²]", "of the ring\nmaximum", f"gain over\n{compared_with}",
+        "smallest\nseparation [mm]", "triangulation angle:\nwidest, mean [degrees]",
+    )  # fmt: skip
+    for row in rows:
+        shown.add_row(
+            row.name,
+            f"{row.area:.2f}",
+            f"{100 * row.fraction:.2f} %",
+            "" if row.gain is None else f"{100 * row.gain:+.2f} %",
+            f"{row.smallest_separation:.3f}" if np.isfinite(row.smallest_separation) else "",
+            f"{np.degrees(row.widest_angle):.2f}, {np.degrees(row.mean_angle):.2f}",
+        )
+    return shown
+
+
+def write_csv(path: Path, rows: Sequence[Row]) -> None:
+    """Every figure in full, angles in degrees."""
+    header = (
+        "layout", "area_mm2", "fraction_of_ring_maximum", "gain_fraction", "smallest_separation_mm",
+        "widest_triangulation_angle_deg", "mean_triangulation_angle_deg", "ring_angles_deg",
+    )  # fmt: skip
+    with written_whole(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(header)
+        for row in rows:
+            writer.writerow(
+                (
+                    row.name,
+                    repr(row.area),
+                    repr(row.fraction),
+                    "" if row.gain is None else repr(row.gain),
+                    repr(row.smallest_separation) if np.isfinite(row.smallest_separation) else "",
+                    repr(float(np.degrees(row.widest_angle))),
+                    repr(float(np.degrees(row.mean_angle))),
+                    " ".join(repr(float(angle)) for angle in np.degrees(row.angles)),
+                )
+            )
