@@ -13,5 +13,16 @@ from placement.errors import PlacementError  # noqa: E402
 from placement.optimise import optimise  # noqa: E402
 from placement.results import Candidate, Placement, SearchRecord  # noqa: E402
 from placement.settings import Settings  # noqa: E402
+from placement.triangulation import Triangulation, triangulation  # noqa: E402
 
-__all__ = ["Candidate", "Constraints", "Placement", "PlacementError", "SearchRecord", "Settings", "optimise"]
+__all__ = [
+    "Candidate",
+    "Constraints",
+    "Placement",
+    "PlacementError",
+    "SearchRecord",
+    "Settings",
+    "Triangulation",
+    "optimise",
+    "triangulation",
+]

@@ -4,10 +4,15 @@ The coverage of the samples for every grid angle of one camera, the others held,
 no gradient and no temperature, and it can jump over a fixed camera or a forbidden arc.
 """
 
+import itertools
+
 import numpy as np
 
 from placement.arcs import LayoutSpace
 from placement.profiles import RingProfiles
+
+# Angles for moving two cameras at once: 3 degrees, which one camera at a time then refines.
+PAIR_GRID = 120
 
 
 class SampledCoverage:
@@ -45,7 +50,12 @@ class SampledCoverage:
         self.diameter = diameter
         self.min_baseline = min_baseline
         self.grid = 2 * np.pi * np.arange(n_grid) / n_grid
-        self._seen = profiles.at(self.grid).astype(np.float32)  # (n_grid, N), single: for the matrix product
+        stride = max(1, round(n_grid / PAIR_GRID))
+        self.pair_grid = self.grid[::stride]
+        # (N, n_grid), points first: only the few that still wait for a view are taken. Single, for matrix products.
+        self._seen = np.ascontiguousarray(profiles.at(self.grid).T, dtype=np.float32)
+        self._seen_pairs = np.ascontiguousarray(self._seen[:, ::stride])
+        self._weights = profiles.weights.astype(np.float32)
 
     def covered(self, angles) -> np.ndarray:
         """(N,) bool: which samples the layout of (M,) ring angles [rad] reconstructs."""
@@ -67,29 +77,29 @@ class SampledCoverage:
         count = seen.sum(axis=0)
         weights = self.profiles.weights
         if self.min_baseline <= 0:
-            waiting = np.where(count == self.threshold - 1, weights, 0.0)
+            waiting = np.flatnonzero(count == self.threshold - 1)
             already = weights[count >= self.threshold].sum()
-            return already + (self._seen @ waiting.astype(np.float32)).astype(np.float64)
+            return already + (self._weights[waiting] @ self._seen[waiting]).astype(np.float64)
         paired = self._paired(theta, seen)
         done = (count >= self.threshold) & paired
-        waiting = (count >= self.threshold - 1) & ~done
-        partner = self._far(self.grid, theta).astype(np.float32) @ seen[:, waiting].astype(np.float32) > 0
-        enough = (count[waiting] >= self.threshold) | (self._seen[:, waiting] > 0)
-        linked = paired[waiting] | (partner & (self._seen[:, waiting] > 0))
-        return weights[done].sum() + (enough & linked) @ weights[waiting]
+        waiting = np.flatnonzero((count >= self.threshold - 1) & ~done)
+        partner = seen[:, waiting].T.astype(np.float32) @ self._far(theta, self.grid).astype(np.float32) > 0
+        now_seen = self._seen[waiting] > 0
+        enough = (count[waiting] >= self.threshold)[:, None] | now_seen
+        linked = paired[waiting][:, None] | (partner & now_seen)
+        return weights[done].sum() + weights[waiting] @ (enough & linked)
 
     def areas_with_two_more(self, angles) -> np.ndarray:
-        """(n_grid, n_grid) area [mm²] for (M - 2,) ring angles [rad] and two more; no baseline taken into account."""
+        """(G, G) area [mm²] for (M - 2,) ring angles [rad] and two more on `pair_grid`; any baseline is left out."""
         count = self.profiles.at(np.asarray(angles, dtype=np.float64)).sum(axis=0)
-        weights = self.profiles.weights.astype(np.float32)
-        one_short = self._seen[:, count == self.threshold - 1]
-        alone = one_short @ weights[count == self.threshold - 1]
-        both = (one_short * weights[count == self.threshold - 1]) @ one_short.T
-        area = alone[:, None] + alone[None, :] - both
-        if self.threshold >= 2:
-            two_short = self._seen[:, count == self.threshold - 2]
-            area = area + (two_short * weights[count == self.threshold - 2]) @ two_short.T
-        return area.astype(np.float64) + self.profiles.weights[count >= self.threshold].sum()
+        short = self.threshold - count
+        # A point one view short is won by either camera, one two views short only by both.
+        one, two = np.flatnonzero(short == 1), np.flatnonzero(short == 2)
+        either, both = self._seen_pairs[one], self._seen_pairs[two]
+        alone = self._weights[one] @ either
+        area = alone[:, None] + alone[None, :] - (either.T * self._weights[one]) @ either
+        area = area + (both.T * self._weights[two]) @ both
+        return area.astype(np.float64) + self.profiles.weights[short <= 0].sum()
 
     def improve(self, space: LayoutSpace, angles, max_sweeps: int = 10) -> np.ndarray:
         """Move one free camera at a time to its best grid angle until no move gains anything.
@@ -122,6 +132,31 @@ class SampledCoverage:
                     theta[camera] = self.grid[best]
                     area = self.area(theta)
             if area <= before + gain_worth:
+                break
+        return theta
+
+    def improve_pairs(self, space: LayoutSpace, angles, max_sweeps: int = 3) -> np.ndarray:
+        """Move two free cameras at once, then each alone, until nothing is gained; leaves most local optima.
+
+        Parameters and result as for `improve`. With a baseline only single cameras are moved.
+        """
+        theta = self.improve(space, angles)
+        if self.min_baseline > 0:
+            return theta
+        half_gap = np.sin(space.minimum_gap / 2)
+        apart = np.abs(np.sin((self.pair_grid[:, None] - self.pair_grid[None, :]) / 2)) >= half_gap
+        gain_worth = 1e-6 * float(self.profiles.weights.sum())
+        for _ in range(max_sweeps):
+            before = self.area(theta)
+            for pair in itertools.combinations(space.free_cameras(theta), 2):
+                others = np.delete(theta, pair)
+                fits = space.allowed(self.pair_grid, others)
+                areas = np.where(apart & fits[:, None] & fits[None, :], self.areas_with_two_more(others), -np.inf)
+                best = np.unravel_index(areas.argmax(), areas.shape)
+                if areas[best] > self.area(theta) + gain_worth:
+                    theta[list(pair)] = self.pair_grid[list(best)]
+                    theta = self.improve(space, theta)
+            if self.area(theta) <= before + gain_worth:
                 break
         return theta
 

@@ -209,6 +209,9 @@ def _search(
     # From the starts too: where the soft landscape leads all starts past an optimum, moving one camera may find it.
     found += [(coverage.improve(space, layout), None) for layout in [end for end, _ in found] + starts]
     found.sort(key=lambda layout: -coverage.area(layout[0]))
+    leading = distinct([layout for layout, _ in found], settings.distinct_tolerance)[: settings.n_pair_searches]
+    found += [(coverage.improve_pairs(space, found[i][0]), None) for i in leading]
+    found.sort(key=lambda layout: -coverage.area(layout[0]))
     kept = [found[i] for i in distinct([layout for layout, _ in found], settings.distinct_tolerance)]
     counts = dict(
         n_starts=len(starts), n_failed=int(ends.failed.sum()), n_flat=int(ends.flat.sum()), n_distinct=len(kept)

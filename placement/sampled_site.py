@@ -68,7 +68,7 @@ def sample_site(
     Examples
     --------
     >>> site = sample_site(trimesh.creation.box((10, 10, 1)), exact.Ring(), threshold=2)
-    >>> bool(100.0 <= site.ring_area < 140.0)  # the top and what is seen of the sides
+    >>> bool(100.0 <= site.ring_area <= 140.0)  # the top and what is seen of the sides
     True
     """
     settings = Settings() if settings is None else settings

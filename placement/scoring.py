@@ -102,16 +102,16 @@ def distinct(layouts: list[np.ndarray], tolerance: float) -> list[int]:
     >>> distinct([np.array([0.0, 1.0]), np.array([1.0, 6.28]), np.array([0.0, 2.0])], 0.01)
     [0, 2]
     """
+    if not layouts:
+        return []
+    sorted_angles = np.stack([canonical(layout) for layout in layouts])
+    first_is = (np.arange(sorted_angles.shape[1])[:, None] + np.arange(sorted_angles.shape[1])) % sorted_angles.shape[1]
     kept: list[int] = []
-    for i, layout in enumerate(layouts):
-        this = canonical(layout)
-        turns = [np.roll(this, k) for k in range(len(this))]
-        seen_before = any(
-            np.abs(np.angle(np.exp(1j * (turn - canonical(layouts[j]))))).max() <= tolerance
-            for j in kept
-            for turn in turns
-        )
-        if not seen_before:
+    for i, this in enumerate(sorted_angles):
+        turns = this[first_is]  # (M, M): the same cameras, counted from each of them
+        difference = np.abs(turns[:, None, :] - sorted_angles[kept])
+        difference = np.minimum(difference, 2 * np.pi - difference).max(axis=2)
+        if not (difference <= tolerance).any():
             kept.append(i)
     return kept
 

@@ -29,6 +29,8 @@ class Settings:
         Phases of the equidistant layout that start a search.
     n_grid : int
         Angles for moving one camera at a time on the samples.
+    n_pair_searches : int
+        Leading layouts that are improved further by moving two cameras at once on the samples.
     n_phases : int
         Phases of the equidistant layout to compare with; all are covered on the samples.
     exact_phases, exact_candidates : int
@@ -54,10 +56,11 @@ class Settings:
     n_angles: int = 120
     bisections: int = 5
     temperatures: tuple[float, ...] = (0.5, 0.2, 0.08, 0.03)
-    max_steps: int = 30
-    n_starts: int = 48
-    n_start_phases: int = 8
+    max_steps: int = 20
+    n_starts: int = 24
+    n_start_phases: int = 6
     n_grid: int = 360
+    n_pair_searches: int = 3
     n_phases: int = 36
     exact_phases: int = 3
     exact_candidates: int = 6
@@ -67,7 +70,14 @@ class Settings:
     ring_cameras: int = 360
 
     def __post_init__(self):
-        least = {"n_angles": 4, "n_grid": 4, "bisections": 0, "polish_evaluations": 0, "n_start_phases": 0}
+        least = {
+            "n_angles": 4,
+            "n_grid": 4,
+            "bisections": 0,
+            "polish_evaluations": 0,
+            "n_start_phases": 0,
+            "n_pair_searches": 0,
+        }
         for field in fields(self):
             value = getattr(self, field.name)
             if field.type is int or field.type == "int":

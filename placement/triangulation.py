@@ -1,0 +1,100 @@
+"""How well a layout triangulates: separations, and the angles under which rays from two cameras meet."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import trimesh
+
+import exact
+from placement.profiles import Visibility
+from placement.sampled_site import faces_towards
+from placement.sampling import checked_exclude, sample_surface
+
+
+@dataclass(frozen=True, eq=False)
+class Triangulation:
+    """Triangulation angles of one layout over the area it reconstructs.
+
+    Attributes
+    ----------
+    smallest_separation : float
+        Least chord between two cameras [mm]; infinite for one camera.
+    widest_angle : float
+        Greatest angle between two rays that meet in a reconstructable point [rad]; 0 where there is none.
+    mean_best_angle : float
+        Mean over the reconstructable area of each point's best (widest) angle [rad]; 0 where there is none.
+    best_angles : (N,) ndarray
+        Best angle of each reconstructable sample [rad]; 0 for one that a single camera sees.
+    weights : (N,) ndarray
+        Area each of these samples stands for [mm²].
+    """
+
+    smallest_separation: float
+    widest_angle: float
+    mean_best_angle: float
+    best_angles: np.ndarray
+    weights: np.ndarray
+
+
+def triangulation(
+    mesh: trimesh.Trimesh,
+    ring: exact.Ring,
+    angles,
+    threshold: int = 2,
+    exclude: np.ndarray | None = None,
+    n_samples: int = 20_000,
+    seed: int = 0,
+) -> Triangulation:
+    """Measure the triangulation angles of a layout on samples of the surface.
+
+    Parameters
+    ----------
+    mesh : trimesh.Trimesh
+        The site [mm].
+    ring : exact.Ring
+        The ring.
+    angles : (M,) array_like
+        Ring angles [rad].
+    threshold : int
+        How many cameras must see a point for it to count.
+    exclude : (F,) ndarray of bool, optional
+        Faces that do not count.
+    n_samples : int
+        Sample points on the faces turned towards the ring.
+    seed : int
+        Of the samples.
+
+    Returns
+    -------
+    Triangulation
+        A layout that reconstructs nothing has angles 0 and no samples.
+
+    Examples
+    --------
+    >>> plate = trimesh.creation.box((1, 1, 0.001))
+    >>> found = triangulation(plate, exact.Ring(), [0.0, np.pi], exclude=plate.face_normals[:, 2] < 0.5)
+    >>> round(float(np.degrees(found.widest_angle)), 1), found.smallest_separation  # 2 atan(15 / 400)
+    (4.3, 30.0)
+    """
+    theta = np.asarray(angles, dtype=np.float64)
+    separations = ring.separations(theta)
+    smallest = float(np.min(separations[~np.eye(len(theta), dtype=bool)], initial=np.inf))
+    ignored = checked_exclude(mesh, exclude) | ~faces_towards(mesh, ring)
+    if ignored.all():
+        return Triangulation(smallest, 0.0, 0.0, np.zeros(0), np.zeros(0))
+    samples = sample_surface(mesh, n_samples, exclude=ignored, seed=seed)
+    seen = Visibility(mesh).from_angles(samples, ring, theta)
+    reconstructed = seen.sum(axis=0) >= threshold
+    if not reconstructed.any():
+        return Triangulation(smallest, 0.0, 0.0, np.zeros(0), np.zeros(0))
+    rays = ring.positions(theta)[:, None, :] - samples.points[reconstructed]
+    rays /= np.linalg.norm(rays, axis=2, keepdims=True)
+    best = np.zeros(int(reconstructed.sum()))
+    for i in range(len(theta)):
+        for j in range(i):
+            both = seen[i, reconstructed] & seen[j, reconstructed]
+            # 2 asin(half the difference) keeps its digits for small angles, acos of the product does not.
+            angle = 2 * np.arcsin(np.minimum(np.linalg.norm(rays[i] - rays[j], axis=1) / 2, 1.0))
+            best = np.maximum(best, np.where(both, angle, 0.0))
+    weights = samples.weights[reconstructed]
+    return Triangulation(smallest, float(best.max()), float(np.average(best, weights=weights)), best, weights)
