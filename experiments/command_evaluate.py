@@ -3,8 +3,6 @@
 from pathlib import Path
 
 import numpy as np
-from rich.console import Console
-from rich.table import Table
 
 import exact
 from experiments import layout_file
@@ -12,6 +10,7 @@ from experiments.errors import InputError
 from experiments.files import output_folder, written_whole
 from experiments.inputs import exclusion, parse_angles, ring, subject
 from experiments.progress import progress_bar
+from experiments.terminal import table, terminal
 from meshes.fingerprint import fingerprint
 
 OUTPUTS = ("reconstructable.stl", "reconstructable.ply", "evaluation.json")
@@ -45,7 +44,7 @@ def run(
         rig, angles = made.ring, made.angles
         threshold = made.threshold if threshold is None else threshold
         if made.mesh_hash not in (None, fingerprint(about.mesh)):
-            Console(stderr=True).print(f"note: {layout} was made for another mesh", highlight=False)
+            terminal(stderr=True).print(f"note: {layout} was made for another mesh")
     else:
         rig = ring(
             about, fov, 30.0 if diameter is None else diameter, 400.0 if working_distance is None else working_distance
@@ -99,24 +98,23 @@ def refuse_unseen(name: str, result: exact.Reconstruction) -> None:
 
 
 def _print(about, excluded: str, angles: np.ndarray, result: exact.Reconstruction, single: list[float]) -> None:
-    console = Console()
-    console.print(f"{about.name}: {len(about.mesh.faces)} faces; not counted: {excluded}", highlight=False)
-    table = Table("seen by", "exact area [mm²]")
+    console = terminal()
+    console.print(f"{about.name}: {len(about.mesh.faces)} faces; not counted: {excluded}")
+    shown = table("seen by", "exact area [mm²]")
     for level, area in enumerate(result.level_areas, start=1):
         who = "at least 1 camera" if level == 1 else f"at least {level} cameras"
-        table.add_row(who, f"{area:.4f}")
+        shown.add_row(who, f"{area:.4f}")
     if result.min_baseline > 0:
-        table.add_row(
+        shown.add_row(
             f"… two of them {result.min_baseline:g} mm apart",
             f"{result.area:.4f}",
-            f"{100 * result.area / counted:.2f} %",
         )
-    console.print(table)
-    table = Table("camera", "ring angle [degrees]", "exact area [mm²]")
+    console.print(shown)
+    shown = table("camera", "ring angle [degrees]", "exact area [mm²]")
     for number, (angle, area) in enumerate(zip(angles, single, strict=True), start=1):
-        table.add_row(str(number), f"{np.degrees(angle):.3f}", f"{area:.4f}")
+        shown.add_row(str(number), f"{np.degrees(angle):.3f}", f"{area:.4f}")
     if len(angles) <= 32:
-        console.print(table)
-    console.print(f"reconstructable area: {result.area:.4f} mm²", highlight=False)
+        console.print(shown)
+    console.print(f"reconstructable area: {result.area:.4f} mm²")
     if result.repairs:
-        console.print(f"{result.repairs} steps had to be done in the robust way", highlight=False)
+        console.print(f"{result.repairs} steps had to be done in the robust way")

@@ -3,15 +3,15 @@
 from pathlib import Path
 
 import numpy as np
-from rich.console import Console
+import trimesh
 
-import exact
 import placement
 from experiments import layout_file, layout_table
 from experiments.coverage_figure import Panel, write_coverage
 from experiments.files import output_folder
 from experiments.inputs import exclusion, ring, subject
 from experiments.progress import progress_stages
+from experiments.terminal import terminal
 
 OUTPUTS = ("layout.json", "layouts.csv", "coverage.png")
 
@@ -51,22 +51,20 @@ def run(
             for row in (rows[0], rows[-1])
         ]
         write_coverage(out / OUTPUTS[2], about.name, about.mesh, rig, panels, threshold, excluded.mask)
-    console = Console()
+    console = terminal()
     console.print(
         f"{about.name}: {len(about.mesh.faces)} faces; not counted: {excluded.words}\n"
         f"ring maximum ({result.settings.ring_cameras} cameras): {result.ring_area:.2f} mm²; a point counts when at "
         f"least {threshold} of the {n_cameras} cameras see it",
-        highlight=False,
     )
-    console.print(layout_table.table(rows, "equidistant"))
+    console.print(layout_table.layout_table(rows, "equidistant"))
     console.print(
         "optimised ring angles [degrees]: " + ", ".join(f"{angle:.3f}" for angle in np.degrees(result.angles)),
-        highlight=False,
     )
-    console.print(f"wrote {', '.join(str(out / name) for name in OUTPUTS)}", highlight=False)
+    console.print(f"wrote {', '.join(str(out / name) for name in OUTPUTS)}")
 
 
-def _rows(result: placement.Placement, mesh, excluded: np.ndarray) -> list[layout_table.Row]:
+def _rows(result: placement.Placement, mesh: trimesh.Trimesh, excluded: np.ndarray) -> list[layout_table.Row]:
     best_phase = result.best_equidistant_phase
     layouts = [
         ("equidistant", result.ring.equidistant(result.n_cameras), result.equidistant_area),
@@ -77,18 +75,9 @@ def _rows(result: placement.Placement, mesh, excluded: np.ndarray) -> list[layou
         ),
         ("optimised", np.array(result.angles), result.area),
     ]
-    return [
-        layout_row(name, angles, area, result.ring_area, result.equidistant_area, mesh, result.ring, excluded)
-        for name, angles, area in layouts
-    ]
-
-
-def layout_row(
-    name: str, angles: np.ndarray, area: float, maximum: float, base: float, mesh, rig: exact.Ring, excluded: np.ndarray
-) -> layout_table.Row:
-    """The figures of one layout, compared with one of area `base`."""
-    spread = placement.triangulation(mesh, rig, angles, excluded)
-    gain = None if name == "equidistant" else (area - base) / maximum
-    return layout_table.Row(
-        name, angles, area, area / maximum, gain, spread.smallest_separation, spread.widest_angle, spread.mean_best_angle
-    )
+    rows = []
+    for name, angles, area in layouts:
+        spread = placement.triangulation(mesh, result.ring, angles, result.threshold, excluded)
+        gain = None if name == "equidistant" else (area - result.equidistant_area) / result.ring_area
+        rows.append(layout_table.row(name, angles, area, result.ring_area, gain, spread))
+    return rows

@@ -2,13 +2,11 @@
 
 from pathlib import Path
 
-from rich.console import Console
-from rich.table import Table
-
 import meshes
 from experiments.errors import InputError
 from experiments.files import output_file, written_whole
 from experiments.inputs import subject
+from experiments.terminal import table, terminal
 
 
 def run(
@@ -16,11 +14,11 @@ def run(
 ) -> None:
     """List the sites, or write one."""
     if listing:
-        table = Table("site", "depths [mm]", "field of view [mm]", "what it shows")
+        shown = table("site", "depths [mm]", "field of view [mm]", "what it shows")
         for site in meshes.SITES.values():
             depths = ", ".join(f"{d:g}" for d in site.depths)
-            table.add_row(site.name, depths, f"{site.fov[0]:g} x {site.fov[1]:g}", site.title)
-        Console().print(table)
+            shown.add_row(site.name, depths, f"{site.fov[0]:g} x {site.fov[1]:g}", site.title)
+        terminal().print(shown)
         return
     if name is None:
         raise InputError("which site? Give its name, or --list to see them all")

@@ -8,7 +8,9 @@ from pathlib import Path
 import numpy as np
 from rich.table import Table
 
+import placement
 from experiments.files import written_whole
+from experiments.terminal import table
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,11 +42,19 @@ class Row:
     mean_angle: float
 
 
-def table(rows: Sequence[Row], compared_with: str) -> Table:
+def row(name: str, angles, area: float, maximum: float, gain: float | None, spread: placement.Triangulation) -> Row:
+    """The row of a layout with this exact area, where `maximum` is the ring maximum [mm²]."""
+    return Row(
+        name, np.asarray(angles), area, area / maximum, gain,
+        spread.smallest_separation, spread.widest_angle, spread.mean_best_angle,
+    )  # fmt: skip
+
+
+def layout_table(rows: Sequence[Row], compared_with: str) -> Table:
     """For the terminal."""
-    shown = Table(
+    shown = table(
         "layout", "exact area\n[mm²]", "of the ring\nmaximum", f"gain over\n{compared_with}",
-        "smallest\nseparation [mm]", "triangulation angle:\nwidest, mean [degrees]",
+        "smallest\nseparation [mm]", "triangulation\nwidest, mean [°]",
     )  # fmt: skip
     for row in rows:
         shown.add_row(

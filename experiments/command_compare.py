@@ -1,0 +1,76 @@
+"""camring compare: several layouts scored on the same mesh."""
+
+from pathlib import Path
+
+import exact
+import placement
+from experiments import layout_file, layout_table
+from experiments.command_evaluate import refuse_unseen
+from experiments.coverage_figure import Panel, write_coverage
+from experiments.errors import InputError
+from experiments.files import output_folder
+from experiments.inputs import exclusion, subject
+from experiments.progress import progress_bar
+from experiments.terminal import terminal
+
+OUTPUTS = ("layouts.csv", "coverage.png")
+# Equidistant cameras whose exact area is the ring maximum (Wachter 2021, Table A1).
+RING_CAMERAS = placement.Settings().ring_cameras
+
+
+def run(
+    layouts: list[Path],
+    mesh: str,
+    threshold: int | None,
+    exclude: str | None,
+    depth: float | None,
+    detail: str | None,
+    repair: bool,
+    out: Path | None,
+    force: bool,
+) -> None:
+    """Score, print and write."""
+    if len(layouts) < 2:
+        raise InputError(f"{len(layouts)} layout is given; at least two are needed to compare")
+    read = [layout_file.read(path) for path in layouts]
+    for one in read[1:]:
+        if one.ring != read[0].ring:
+            raise InputError(
+                f"{one.path} and {read[0].path} are layouts of different rings ({one.ring} and {read[0].ring}); "
+                "areas and fractions compare on one ring only: score each with camring evaluate --layout"
+            )
+    threshold = read[0].threshold if threshold is None else threshold
+    about = subject(mesh, depth, detail, repair)
+    excluded = exclusion(about, exclude)
+    if out is not None:
+        output_folder(out, OUTPUTS, force)
+    rig, rows = read[0].ring, []
+    with progress_bar("scoring exactly", RING_CAMERAS + sum(len(one.angles) for one in read)) as advance:
+
+        def area(angles) -> float:
+            cameras = rig.cameras(angles)
+            result = exact.evaluate(about.mesh, cameras, threshold, excluded.mask, report=advance)
+            refuse_unseen(about.name, result)
+            return result.area
+
+        areas = [area(one.angles) for one in read]
+        maximum = area(rig.equidistant(RING_CAMERAS))
+    for one, found in zip(read, areas, strict=True):
+        spread = placement.triangulation(about.mesh, rig, one.angles, threshold, excluded.mask)
+        gain = None if one is read[0] else (found - areas[0]) / maximum
+        rows.append(layout_table.row(str(one.path), one.angles, found, maximum, gain, spread))
+    console = terminal()
+    console.print(
+        f"{about.name}: {len(about.mesh.faces)} faces; not counted: {excluded.words}\n"
+        f"ring maximum ({RING_CAMERAS} cameras): {maximum:.2f} mm²",
+    )
+    console.print(layout_table.layout_table(rows, "the first"))
+    if out is None:
+        return
+    layout_table.write_csv(out / OUTPUTS[0], rows)
+    panels = [
+        Panel(row.name, row.angles, f"{row.area:.1f} mm², {100 * row.fraction:.2f} % of the ring maximum")
+        for row in rows
+    ]
+    write_coverage(out / OUTPUTS[1], about.name, about.mesh, rig, panels, threshold, excluded.mask)
+    console.print(f"wrote {', '.join(str(out / name) for name in OUTPUTS)}")

@@ -1,0 +1,24 @@
+"""Plain words and tables on the terminal: nothing in brackets is taken for markup, and pipes get the full width."""
+
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+# Columns of output that goes to a file or a pipe, where nothing tells how wide it may be.
+PIPE_WIDTH = 110
+
+
+def terminal(stderr: bool = False) -> Console:
+    """A console for results, or for notes with `stderr`."""
+    console = Console(stderr=stderr, highlight=False, markup=False)
+    if not console.is_terminal:
+        console.width = max(console.width, PIPE_WIDTH)
+    return console
+
+
+def table(*headers: str) -> Table:
+    """An empty table; headers and cells are shown as they are."""
+    shown = Table()
+    for header in headers:
+        shown.add_column(Text(header))
+    return shown
