@@ -79,7 +79,8 @@ class SampledCoverage:
         if self.min_baseline <= 0:
             waiting = np.flatnonzero(count == self.threshold - 1)
             already = weights[count >= self.threshold].sum()
-            return already + (self._weights[waiting] @ self._seen[waiting]).astype(np.float64)
+            # einsum, not BLAS: for products this small, threads that wait for each other cost more than they bring.
+            return already + np.einsum("n,ng->g", self._weights[waiting], self._seen[waiting]).astype(np.float64)
         paired = self._paired(theta, seen)
         done = (count >= self.threshold) & paired
         waiting = np.flatnonzero((count >= self.threshold - 1) & ~done)

@@ -1,0 +1,153 @@
+import importlib
+import importlib.util
+import itertools
+import shutil
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from jaxtyping import TypeCheckError, install_import_hook
+
+from placement import soft_coverage as module_under_test
+from placement.exchange import SampledCoverage
+from placement.profiles import RingProfiles
+from placement.soft_coverage import Baseline, at_least, signed_distances
+
+COLD = jnp.asarray(1e-9)
+soft_coverage = jax.jit(module_under_test.soft_coverage, static_argnums=4)
+
+
+@pytest.fixture(scope="module")
+def profiles():
+    """Random arcs on a grid of 48 angles, with one point always and one never visible."""
+    rng = np.random.default_rng(0)
+    grid = 2 * np.pi * np.arange(48) / 48
+    middle, half_width = rng.uniform(0, 2 * np.pi, 200), rng.uniform(0.2, 2.5, 200)
+    distance = half_width - np.abs(np.angle(np.exp(1j * (grid[:, None] - middle))))
+    distance[:, 0], distance[:, 1] = np.pi, -np.pi
+    return RingProfiles(distance, rng.uniform(0.5, 2.0, 200))
+
+
+def arrays(profiles):
+    return jnp.asarray(profiles.signed_distance), jnp.asarray(profiles.weights)
+
+
+@pytest.mark.parametrize(("n_events", "threshold"), [(1, 1), (2, 1), (4, 2), (5, 3), (6, 6), (3, 5)])
+def test_at_least_against_enumeration(n_events, threshold):
+    probabilities = np.random.default_rng(n_events).random((n_events, 7))
+    expected = np.zeros(7)
+    for outcome in itertools.product([0, 1], repeat=n_events):
+        if sum(outcome) >= threshold:
+            happens = np.array(outcome)[:, None]
+            expected += np.prod(happens * probabilities + (1 - happens) * (1 - probabilities), axis=0)
+    found = at_least(jnp.asarray(probabilities), threshold)
+    assert np.abs(np.asarray(found) - expected).max() < 1e-14
+
+
+@pytest.mark.parametrize("threshold", [1, 2, 3])
+@pytest.mark.parametrize("min_baseline", [0.0, 12.0])
+def test_cold_soft_coverage_is_the_hard_coverage_of_the_samples(profiles, threshold, min_baseline):
+    rng = np.random.default_rng(1)
+    hard = SampledCoverage(profiles, threshold, 30.0, min_baseline)
+    baseline = Baseline(jnp.asarray(30.0), jnp.asarray(min_baseline)) if min_baseline else None
+    for _ in range(10):
+        angles = rng.uniform(-10, 10, 5)
+        soft = soft_coverage(jnp.asarray(angles), *arrays(profiles), COLD, threshold, baseline)
+        assert float(soft) * profiles.weights.sum() == pytest.approx(hard.area(angles), abs=1e-9)
+
+
+@pytest.mark.parametrize("threshold", [1, 2, 3])
+@pytest.mark.parametrize("min_baseline", [0.0, 12.0])
+def test_moving_cameras_over_the_grid_agrees_with_the_area_of_each_layout(profiles, threshold, min_baseline):
+    hard = SampledCoverage(profiles, threshold, 30.0, min_baseline, n_grid=24)
+    others = np.array([0.3, 2.2, 4.0])
+    expected = [hard.area([*others, angle]) for angle in hard.grid]
+    assert np.abs(hard.areas_with_one_more(others) - expected).max() < 1e-3  # single precision
+    if min_baseline == 0.0:
+        pairs = [[hard.area([*others[:2], a, b]) for a in hard.pair_grid] for b in hard.pair_grid]
+        assert np.abs(hard.areas_with_two_more(others[:2]) - pairs).max() < 1e-3
+
+
+def test_permuting_cameras_and_full_turns_change_nothing(profiles):
+    angles, baseline = np.array([0.1, 1.4, 2.0, 5.0]), Baseline(jnp.asarray(30.0), jnp.asarray(9.0))
+
+    def value(layout):
+        return float(soft_coverage(jnp.asarray(layout), *arrays(profiles), jnp.asarray(0.1), 2, baseline))
+
+    for order in itertools.permutations(range(4)):
+        assert value(angles[list(order)]) == pytest.approx(value(angles), abs=1e-14)
+    assert value(angles + 2 * np.pi * np.array([3, -2, 1, 0])) == pytest.approx(value(angles), abs=1e-13)
+
+
+def test_one_camera_more_never_lowers_it(profiles):
+    rng = np.random.default_rng(2)
+    angles = rng.uniform(0, 7, 6)
+    values = [float(soft_coverage(jnp.asarray(angles[:n]), *arrays(profiles), jnp.asarray(0.2))) for n in range(1, 7)]
+    assert values[0] == 0.0  # one camera, two views wanted
+    assert (np.diff(values) >= 0).all() and values[-1] <= 1
+
+
+@pytest.mark.parametrize("threshold", [1, 2, 3])
+@pytest.mark.parametrize("min_baseline", [None, 12.0])
+def test_gradient_against_finite_differences(profiles, threshold, min_baseline):
+    baseline = None if min_baseline is None else Baseline(jnp.asarray(30.0), jnp.asarray(min_baseline))
+
+    @jax.jit
+    def value(angles):
+        return soft_coverage(angles, *arrays(profiles), jnp.asarray(0.3), threshold, baseline)
+
+    angles, step = jnp.array([0.313, 1.777, 2.513, 4.4321]), 1e-6
+    gradient = jax.jit(jax.grad(value))(angles)
+    for i in range(4):
+        shift = step * jnp.eye(4)[i]
+        slope = (value(angles + shift) - value(angles - shift)) / (2 * step)
+        assert float(gradient[i]) == pytest.approx(float(slope), rel=1e-6, abs=1e-9)
+
+
+TRAPS = {
+    "coincident cameras": ([1.0, 1.0, 1.0], 0.1),
+    "camera on a grid angle": ([0.0, 2 * np.pi / 48, 2 * np.pi], 0.1),
+    "opposite cameras": ([0.0, np.pi, 2.0], 0.1),
+    "tiny temperature": ([0.1, 2.0, 4.0], 1e-300),
+    "huge temperature": ([0.1, 2.0, 4.0], 1e300),
+    "many turns": ([1e6, -1e6, 3.0], 0.1),
+}
+
+
+value_and_gradient = jax.jit(jax.value_and_grad(module_under_test.soft_coverage), static_argnums=4)
+
+
+@pytest.mark.parametrize("trap", TRAPS)
+@pytest.mark.parametrize("min_baseline", [None, 0.0, 30.0])
+@pytest.mark.parametrize("points", ["all", "always visible", "never visible", "none", "without weight"])
+def test_finite_value_and_gradient_at_traps(profiles, trap, min_baseline, points):
+    angles, temperature = TRAPS[trap]
+    distance, weights = arrays(profiles)
+    column = {"all": slice(None), "always visible": [0], "never visible": [1], "none": [], "without weight": [2]}
+    index = jnp.arange(weights.shape[0])[jnp.asarray(column[points], int) if points != "all" else slice(None)]
+    distance, weights = distance[:, index], weights[index] * (0.0 if points == "without weight" else 1.0)
+    baseline = None if min_baseline is None else Baseline(jnp.asarray(30.0), jnp.asarray(min_baseline))
+    value, gradient = value_and_gradient(jnp.asarray(angles), distance, weights, jnp.asarray(temperature), 2, baseline)
+    assert np.isfinite(value) and -1e-12 <= value <= 1 + 1e-12
+    assert np.isfinite(gradient).all()
+
+
+def test_interpolation_is_periodic():
+    profile = jnp.array([[0.0], [1.0], [2.0], [-3.0]])
+    quarter = np.pi / 2
+    between_last_and_first = signed_distances(jnp.array([3.5 * quarter, -0.5 * quarter, 7.5 * quarter]), profile)
+    assert np.allclose(between_last_and_first, -1.5, atol=1e-12)
+
+
+def test_annotated_shapes_hold(profiles, tmp_path, monkeypatch):
+    """The module itself, imported under another name with its annotations checked at run time."""
+    source = importlib.util.find_spec("placement.soft_coverage").origin
+    shutil.copy(source, tmp_path / "checked_soft_coverage.py")
+    monkeypatch.syspath_prepend(tmp_path)
+    with install_import_hook("checked_soft_coverage", "beartype.beartype"):
+        module = importlib.import_module("checked_soft_coverage")
+    value = jax.jit(module.soft_coverage)(jnp.zeros(2), *arrays(profiles), jnp.asarray(0.1))
+    assert value.shape == () and value.dtype == jnp.float64
+    with pytest.raises(TypeCheckError):
+        module.soft_coverage(jnp.zeros((2, 1)), *arrays(profiles), jnp.asarray(0.1))
