@@ -1,0 +1,224 @@
+import dataclasses
+
+import numpy as np
+import pytest
+import trimesh
+
+import exact
+import meshes
+import placement
+from placement import Constraints, PlacementError, Settings
+from placement.arcs import LayoutSpace
+from placement.exchange import SampledCoverage
+from placement.sampled_site import sample_site
+from placement.scoring import ExactScorer, polish
+
+RING = exact.Ring()
+QUICK = Settings(
+    n_samples=1200, n_angles=48, n_starts=6, n_start_phases=2, exact_candidates=3, exact_phases=2,
+    polish_steps=(0.02,), polish_evaluations=6, ring_cameras=16,
+)  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def bars():
+    """A floor under crossed bars, away from every symmetry of the ring."""
+    parts = []
+    for size, place in [
+        ((40, 40, 2), (0, 0, -1)),
+        ((40, 3, 3), (0, 2, 32)),
+        ((3, 30, 3), (-6, 0, 36)),
+        ((4, 4, 30), (8, -6, 15)),
+    ]:
+        box = trimesh.creation.box(size)
+        box.apply_translation(place)
+        parts.append(box)
+    mesh = trimesh.util.concatenate(parts)
+    mesh.apply_transform(trimesh.transformations.rotation_matrix(0.3, (0, 0, 1)))
+    return mesh
+
+
+@pytest.fixture(scope="module")
+def placed(bars):
+    return placement.optimise(bars, RING, n_cameras=4, settings=QUICK, seed=1)
+
+
+def test_never_below_the_best_equidistant_phase_and_never_above_the_ring_maximum(placed):
+    equidistant = [found for found in placed.candidates if found.origin == "equidistant"]
+    assert len(equidistant) >= 2
+    assert placed.area >= placed.best_equidistant_area >= placed.equidistant_area
+    assert placed.best_equidistant_area == max(found.area for found in equidistant)
+    assert placed.area <= placed.ring_area
+    assert placed.area > placed.equidistant_area * 1.01  # here placing pays
+
+
+def test_reported_area_is_the_exact_area_of_the_reported_angles(bars, placed):
+    for found in placed.candidates:
+        again = exact.evaluate(bars, RING.cameras(found.angles), threshold=2).area
+        assert again == found.area
+    best = exact.evaluate(bars, RING.cameras(RING.equidistant(4, placed.best_equidistant_phase)), threshold=2).area
+    assert best == pytest.approx(placed.best_equidistant_area, rel=1e-9)
+    assert placed.area == placed.candidates[0].area and placed.angles == placed.candidates[0].angles
+    assert [found.area for found in placed.candidates] == sorted((f.area for f in placed.candidates), reverse=True)
+
+
+def test_candidates_are_distinct_and_meet_the_constraints(placed):
+    for found in placed.candidates:
+        assert placed.constraints.violations(RING, found.angles) == []
+        assert list(found.angles) == sorted(found.angles) and 0 <= found.angles[0] and found.angles[-1] < 2 * np.pi
+        assert abs(found.sampled_area - found.area) < 0.03 * placed.ring_area
+        assert found.soft_coverage is None or 0 <= found.soft_coverage <= 1.001
+    assert placed.smallest_separation >= 5.0
+    assert len({found.angles for found in placed.candidates}) == len(placed.candidates)
+
+
+def test_everything_needed_to_repeat_is_kept(bars, placed):
+    again = placement.optimise(
+        bars, placed.ring, placed.n_cameras, placed.threshold, None, placed.constraints, placed.settings, placed.seed
+    )
+    assert again == placed  # bit for bit: angles, areas, candidates
+    assert again.angles == placed.angles
+    assert placed.versions["numpy"] == np.__version__ and len(placed.mesh_hash) == 64
+    assert placed.search.n_starts == 6 and placed.search.n_exact > 5
+    assert dataclasses.replace(placed, seed=2) != placed
+
+
+def test_another_seed_gives_other_samples_and_still_a_good_layout(bars, placed):
+    other = placement.optimise(bars, RING, n_cameras=4, settings=QUICK, seed=2)
+    assert other.angles != placed.angles
+    assert other.area > other.equidistant_area
+
+
+def test_excluded_faces_hide_but_do_not_count(bars):
+    exclude = bars.face_normals[:, 2] > 0.5
+    result = placement.optimise(bars, RING, n_cameras=2, exclude=exclude, settings=QUICK)
+    assert result.n_excluded == exclude.sum()
+    assert result.area == exact.evaluate(bars, RING.cameras(result.angles), 2, exclude=exclude).area
+
+
+CASES = [
+    (1, 1, Constraints()),
+    (3, 3, Constraints()),
+    (5, 2, Constraints(min_separation=17.0)),
+    (3, 2, Constraints(fixed=(0.5,), forbidden=((1.0, 2.5), (4.0, 4.5)))),
+    (2, 2, Constraints(fixed=(0.5, 3.0))),
+    (3, 2, Constraints(min_baseline=20.0)),
+    (3, 2, Constraints(min_separation=0.0, min_angle=np.radians(2.0))),
+]
+
+
+@pytest.mark.parametrize(("n_cameras", "threshold", "constraints"), CASES)
+def test_constraints_hold(bars, n_cameras, threshold, constraints):
+    settings = dataclasses.replace(QUICK, polish_evaluations=3, n_starts=4)
+    result = placement.optimise(bars, RING, n_cameras, threshold, constraints=constraints, settings=settings)
+    assert len(result.angles) == n_cameras
+    assert constraints.violations(RING, result.angles) == []
+    baseline = constraints.baseline(RING)
+    checked = exact.evaluate(bars, RING.cameras(result.angles), threshold, min_baseline=baseline)
+    assert result.area == checked.area
+    allowed = [f for f in result.candidates if f.origin == "equidistant"]
+    assert all(result.area >= found.area for found in allowed)
+
+
+def test_moving_one_camera_never_loses_sampled_area(bars):
+    site = sample_site(bars, RING, 2, settings=QUICK)
+    coverage, rng = SampledCoverage(site.profiles, 2, n_grid=120), np.random.default_rng(0)
+    space = LayoutSpace(RING, 4, Constraints(fixed=(1.0,)))
+    for _ in range(5):
+        start = space.random(rng)
+        once = coverage.improve(space, start)
+        twice = coverage.improve_pairs(space, once)
+        assert coverage.area(start) <= coverage.area(once) <= coverage.area(twice)
+        assert space.allows(once) and space.allows(twice)
+
+
+def test_polish_only_climbs_and_keeps_its_allowance(bars):
+    scorer, space = ExactScorer(bars, RING), LayoutSpace(RING, 3, Constraints())
+    start = RING.equidistant(3, 0.2)
+    area = scorer.area(start)
+    end = polish(scorer, space, start, steps=(0.1, 0.03), max_evaluations=9)
+    assert scorer.area(end) > area and scorer.n_evaluations <= 10
+    assert space.allows(end)
+
+
+def test_progress_counts_up_to_its_total(bars):
+    told = []
+    settings = dataclasses.replace(QUICK, polish_steps=(), n_starts=2)
+    placement.optimise(
+        bars, RING, n_cameras=2, settings=settings, progress=lambda what, done, total: told.append((what, done, total))
+    )
+    assert {what for what, _, _ in told} == {"tracing ring profiles", "searching", "scoring exactly"}
+    assert all(0 <= done <= total for _, done, total in told)
+    assert told[-1][1] == told[-1][2]
+
+
+def test_spanning_artery_four_cameras():
+    """The main job at reduced size: placing beats spacing evenly."""
+    mesh = meshes.site("circ_artery", depth=50)
+    settings = dataclasses.replace(QUICK, n_samples=3000, polish_steps=(), ring_cameras=16)
+    result = placement.optimise(mesh, RING, n_cameras=4, exclude=meshes.top_surface(mesh), settings=settings)
+    assert result.area >= result.best_equidistant_area
+
+
+def test_triangulation_of_a_layout(bars):
+    found = placement.triangulation(bars, RING, RING.equidistant(4), n_samples=3000)
+    assert found.smallest_separation == pytest.approx(30 / np.sqrt(2))
+    widest = 2 * np.arctan(15 / (400 - 37.5))  # two opposite cameras and a point on the highest bar
+    assert np.radians(4.0) < found.mean_best_angle < found.widest_angle <= widest
+    reconstructed = exact.evaluate(bars, RING.cameras(RING.equidistant(4)), 2).area
+    assert found.weights.sum() == pytest.approx(reconstructed, rel=0.02)
+
+
+def test_triangulation_where_there_is_none(bars):
+    alone = placement.triangulation(bars, RING, [0.3], threshold=1, n_samples=500)
+    assert alone.smallest_separation == np.inf and alone.widest_angle == 0.0 and len(alone.weights) > 0
+    below = placement.triangulation(bars, exact.Ring(axis=(0, 0, -1), fov=(0.01, 0.01), focus=(90, 0, 0)), [0.0, 1.0])
+    assert below.mean_best_angle == 0.0 and len(below.weights) == 0
+
+
+def error_cases(bars):
+    n_faces = len(bars.faces)
+    low = bars.copy()
+    low.apply_translation((500, 0, 0))
+    return {
+        "T > M": (dict(n_cameras=2, threshold=3), "threshold is 3 but there are only 2 cameras"),
+        "T = 0": (dict(threshold=0), "threshold is 0; it must be a whole number, at least 1"),
+        "T = 1.5": (dict(threshold=1.5), "threshold is 1.5"),
+        "no camera": (dict(n_cameras=0), "number of cameras is 0"),
+        "too many": (
+            dict(n_cameras=12, constraints=Constraints(min_separation=10.0)),
+            r"12 cameras at 10 mm need a ring of at least 38\.6 mm; this one takes 9",
+        ),
+        "mask": (dict(exclude=np.zeros(3, dtype=bool)), rf"exclude has shape \(3,\).* each of the {n_faces} faces"),
+        "all excluded": (dict(exclude=np.ones(n_faces, dtype=bool)), f"all {n_faces} faces are excluded"),
+        "outside": (
+            dict(mesh=low),
+            "no camera on this ring sees anything: all 1200 sample points are",
+        ),
+        "from behind": (
+            dict(ring=exact.Ring(axis=(0, 0, -1)), exclude=bars.face_normals[:, 2] < 0.5),
+            "is turned towards it",
+        ),
+        "one camera": (dict(n_cameras=1, threshold=1, constraints=Constraints(min_baseline=5.0)), "has no baseline"),
+    }
+
+
+@pytest.mark.parametrize("case", error_cases(trimesh.creation.box()))
+def test_errors(bars, case):
+    request, message = error_cases(bars)[case]
+    with pytest.raises(PlacementError, match=message):
+        placement.optimise(**{"mesh": bars, "ring": RING, "settings": QUICK, **request})
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        (dict(n_samples=0), "n_samples is 0; it must be a whole number >= 1"),
+        (dict(temperatures=()), "temperatures are"),
+        (dict(temperatures=(0.1, 0.0)), "all positive"),
+        (dict(polish_steps=(-0.1,)), "polish_steps must be positive"),
+    ],
+)
+def test_settings_that_make_no_sense(wrong, message):
+    with pytest.raises(PlacementError, match=message):
+        Settings(**wrong)
