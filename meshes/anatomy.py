@@ -79,9 +79,9 @@ class Anatomy:
         How much the floor climbs towards one side [mm], the azimuth of that side [rad], and where along this
         direction the slope is steepest and how long it is [mm].
     flare : float
-        By how much the channel is wider at the floor than above; makes the lower wall an undercut [mm].
+        By how much the channel is wider below than above, as under the edge of bone [mm].
     flare_height : float
-        Height over which the flare goes back to nothing [mm].
+        Height of that edge [mm].
     uneven : tuple of float
         Amplitude and wavelength of the unevenness of wall and floor [mm].
     uneven_height : float
@@ -89,7 +89,9 @@ class Anatomy:
     fillet : float
         Width of the rounding where floor and wall meet [mm].
     vessels, furrows : tuple of tubes
-        Tissue, and air carved into wall and floor.
+        Tissue, and air carved into the floor; they follow the floor, and z is their height above it.
+    arteries : tuple of tubes
+        Tissue free in space; z is their height above the focus.
     bulges, pockets : tuple of Lump
         Tissue, and air carved into wall and floor.
     top : float
@@ -107,6 +109,7 @@ class Anatomy:
     fillet: float = 4.0
     vessels: tuple[Knots, ...] = ()
     furrows: tuple[Knots, ...] = ()
+    arteries: tuple[Knots, ...] = ()
     bulges: tuple[Lump, ...] = ()
     pockets: tuple[Lump, ...] = ()
     top: float = 35.0
@@ -114,11 +117,13 @@ class Anatomy:
 
 
 WALL_UNEVEN = 0.5  # the wall's unevenness as a part of the floor's
-# Below `top` the channel narrows downwards by this slope, about 1 degree. Opposite cameras see a wall at 2 to 4 degrees;
-# on an upright one triangles of the coarse meshes would lean out of sight here and there.
+# Below `top` the channel narrows downwards by this slope, about 1 degree. Opposite cameras see a wall at 2 to 4
+# degrees; on an upright one triangles of the coarse meshes would lean out of sight here and there.
 FUNNEL = 0.02
+FLARE_LENGTH = 6.0  # height over which the channel widens below `flare_height` [mm]
 WALL_STRETCH = 25.0  # how much longer the unevenness of the wall is along z
-VESSEL_FILLET = 0.8  # rounding where a vessel lies on its bed [mm]: as fine as the coarse meshes can show
+SAMPLES = 6  # straight pieces of a tube between two of its knots
+VESSEL_FILLET = 1.2  # rounding where a vessel lies on its bed [mm]: about what the coarse meshes can show
 FURROW_FILLET = 1.5
 BULGE_FILLET = 4.0
 
@@ -156,7 +161,7 @@ def air(anatomy: Anatomy, opening: Opening, points: np.ndarray) -> np.ndarray:
     shaped = _smooth_step(1 - z / anatomy.uneven_height)
     # Cameras see a wall at about 2 degrees: it must be far more even along z than around, or it would hide itself.
     fluted = WALL_UNEVEN * amplitude * field.ripple(x, y, z / WALL_STRETCH, wavelength, anatomy.seed)
-    widening = anatomy.flare * _smooth_step(1 - z / anatomy.flare_height)
+    widening = anatomy.flare * np.clip((anatomy.flare_height - z) / FLARE_LENGTH, 0.0, 1.0)
     wall = opening.distance(x, y) - FUNNEL * (anatomy.top - z) + shaped * fluted + widening
 
     floor_z = _floor_height(anatomy, opening, x, y)
@@ -173,7 +178,18 @@ def air(anatomy: Anatomy, opening: Opening, points: np.ndarray) -> np.ndarray:
         bulge = field.ellipsoid(points, np.array(lump.centre), np.array(lump.radii))
         result = field.smooth_min(result, bulge + 0.5 * uneven, BULGE_FILLET)
     for knots in anatomy.furrows:
-        result = field.smooth_max(result, -field.tube(points, np.array(knots)), FURROW_FILLET)
+        furrow = field.tube(points, _draped(anatomy, opening, knots))
+        result = field.smooth_max(result, -furrow, FURROW_FILLET)
     for knots in anatomy.vessels:
-        result = field.smooth_min(result, field.tube(points, np.array(knots)), VESSEL_FILLET)
+        vessel = field.tube(points, _draped(anatomy, opening, knots))
+        result = field.smooth_min(result, vessel, VESSEL_FILLET)
+    for knots in anatomy.arteries:
+        result = field.smooth_min(result, field.tube(points, field.spline(np.array(knots), SAMPLES)), VESSEL_FILLET)
     return result
+
+
+def _draped(anatomy: Anatomy, opening: Opening, knots: Knots) -> np.ndarray:
+    """(K, 4) curve of a tube whose z is its height above the floor."""
+    curve = field.spline(np.array(knots), SAMPLES)
+    curve[:, 2] += _floor_height(anatomy, opening, curve[:, 0], curve[:, 1])
+    return curve

@@ -53,22 +53,27 @@ def spline(knots: np.ndarray, samples: int) -> np.ndarray:
     return np.vstack([curve.reshape(-1, knots.shape[1]), knots[-1:]])
 
 
-def tube(points: np.ndarray, knots: np.ndarray, samples: int = 6, margin: float = 6.0) -> np.ndarray:
+def tube(points: np.ndarray, curve: np.ndarray, margin: float = 6.0) -> np.ndarray:
     """Distance to the skin of a swept tube of varying radius; negative inside.
 
     Parameters
     ----------
     points : (N, 3) ndarray
-    knots : (K, 4) ndarray
-        x, y, z and radius along the axis; a Catmull-Rom spline joins them.
+    curve : (K, 4) ndarray
+        x, y, z and radius at points along the axis, joined by straight pieces.
     margin : float
         Points farther than this from the tube's bounding box are `FAR` [mm]; more than any fillet is wide.
 
     Returns
     -------
     (N,) ndarray
+
+    Examples
+    --------
+    >>> axis = np.array([[0.0, 0, 0, 1.0], [10.0, 0, 0, 2.0]])
+    >>> tube(np.array([[5.0, 0, 2.5], [0, 0, 0], [0, 0, 99]]), axis).tolist()
+    [1.0, -1.0, 1000.0]
     """
-    curve = spline(knots, samples)
     reach = curve[:, 3].max() + margin
     near = ((points > curve[:, :3].min(axis=0) - reach) & (points < curve[:, :3].max(axis=0) + reach)).all(axis=1)
     inner = points[near]
@@ -78,7 +83,7 @@ def tube(points: np.ndarray, knots: np.ndarray, samples: int = 6, margin: float 
         along = np.clip(offset @ axis / (axis @ axis), 0.0, 1.0)
         gap = offset - along[:, None] * axis
         radius = start[3] + along * (end[3] - start[3])
-        distance = np.minimum(distance, np.sqrt((gap * gap).sum(axis=1)) - radius)
+        distance = np.minimum(distance, np.sqrt(np.einsum("ij,ij->i", gap, gap)) - radius)
     result = np.full(len(points), FAR)
     result[near] = distance
     return result
