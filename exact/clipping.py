@@ -14,6 +14,8 @@ from exact.silhouettes import Cuts
 FILL_TOLERANCE = 1e-10
 # The precision grid (in parts of the face): far below any tolerance on areas, far above float64 rounding.
 GRID_SIZE = 1e-12
+# Gaps narrower than this part of the face are rounding, not shape.
+NECK = 1e-9
 
 
 def whole_faces(n: int) -> np.ndarray:
@@ -101,9 +103,25 @@ def _cells(piece: np.ndarray, drawing: np.ndarray, chosen: np.ndarray, grid_size
     noded = np.asarray(shapely.union_all(drawing[chosen, None], axis=1, grid_size=grid_size))
     collection = shapely.polygonize(noded[:, None], axis=1)  # pyright: ignore[reportCallIssue]
     cell, origin = shapely.get_parts(collection, return_index=True)
-    origin = chosen[origin]
+    cell, origin = _without_necks(cell, chosen[origin])
     inside = shapely.contains_properly(piece[origin], shapely.point_on_surface(cell))
     return origin[inside], cell[inside]
+
+
+def _without_necks(cell: np.ndarray, origin: np.ndarray):
+    """The same cells, but those that hang together by less than `NECK` only, cut into triangles.
+
+    Where two cameras' segments coincide up to rounding, a gap of no width is left between them. A cell may reach
+    through it to what is really another cell, so that no one point speaks for all of it.
+    """
+    suspects = np.flatnonzero(shapely.get_num_coordinates(cell) > 4)
+    suspects = suspects[shapely.minimum_clearance(cell[suspects]) < NECK]
+    if not len(suspects):
+        return cell, origin
+    triangle, which = shapely.get_parts(shapely.constrained_delaunay_triangles(cell[suspects]), return_index=True)
+    kept = np.ones(len(cell), dtype=bool)
+    kept[suspects] = False
+    return np.concatenate([cell[kept], triangle]), np.concatenate([origin[kept], origin[suspects[which]]])
 
 
 def _unfilled(piece: np.ndarray, origin: np.ndarray, cell: np.ndarray, chosen: np.ndarray) -> np.ndarray:
