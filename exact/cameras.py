@@ -40,7 +40,7 @@ def _positive(name: str, value, unit: str) -> float:
     except (TypeError, ValueError) as error:
         raise ExactError(f"{name} is {value!r}; it must be a number [{unit}]") from error
     if not (np.isfinite(number) and number > 0):
-        raise ExactError(f"{name} is {value!r}; it must be positive and finite [{unit}]")
+        raise ExactError(f"{name} is {value}; it must be positive and finite [{unit}]")
     return number
 
 
