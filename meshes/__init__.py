@@ -2,8 +2,25 @@
 
 from meshes.check import check
 from meshes.errors import MeshError
+from meshes.fingerprint import fingerprint
 from meshes.load import load
 from meshes.sites import DETAILS, SITES, Site, site
+from meshes.standard import EXPECTED, Expected, standard_file
+from meshes.stl import stl_bytes
 from meshes.top_surface import top_surface
 
-__all__ = ["DETAILS", "SITES", "MeshError", "Site", "check", "load", "site", "top_surface"]
+__all__ = [
+    "DETAILS",
+    "EXPECTED",
+    "SITES",
+    "Expected",
+    "MeshError",
+    "Site",
+    "check",
+    "fingerprint",
+    "load",
+    "site",
+    "standard_file",
+    "stl_bytes",
+    "top_surface",
+]

@@ -95,7 +95,7 @@ class Anatomy:
     bulges, pockets : tuple of Lump
         Tissue, and air carved into wall and floor.
     top : float
-        Height below which all of this lies [mm]; above it the channel is plain.
+        Height below which all of this lies, but for arteries wholly above it; there the channel is plain [mm].
     seed : int
         Of the unevenness.
     """
@@ -183,9 +183,23 @@ def air(anatomy: Anatomy, opening: Opening, points: np.ndarray) -> np.ndarray:
     for knots in anatomy.vessels:
         vessel = field.tube(points, _draped(anatomy, opening, knots))
         result = field.smooth_min(result, vessel, VESSEL_FILLET)
-    for knots in anatomy.arteries:
-        result = field.smooth_min(result, field.tube(points, field.spline(np.array(knots), SAMPLES)), VESSEL_FILLET)
+    for curve in artery_curves(anatomy, above_top=False):
+        result = field.smooth_min(result, field.tube(points, curve), VESSEL_FILLET)
     return result
+
+
+def arteries(anatomy: Anatomy, points: np.ndarray) -> np.ndarray:
+    """Field of what is free of the arteries above `anatomy.top`, branches joined by a fillet; for (N, 3) points."""
+    result = np.full(len(points), field.FAR)
+    for curve in artery_curves(anatomy, above_top=True):
+        result = field.smooth_min(result, field.tube(points, curve), VESSEL_FILLET)
+    return result
+
+
+def artery_curves(anatomy: Anatomy, above_top: bool) -> list[np.ndarray]:
+    """(K, 4) curves of the arteries above or below `anatomy.top`: x, y, z and radius along the axis [mm]."""
+    curves = [field.spline(np.array(knots), SAMPLES) for knots in anatomy.arteries]
+    return [curve for curve in curves if (curve[:, 2].min() > anatomy.top) == above_top]
 
 
 def _draped(anatomy: Anatomy, opening: Opening, knots: Knots) -> np.ndarray:

@@ -9,17 +9,18 @@ SMALL_VESSELS = (
     ((-2, 0.5, 0.9, 1.3), (1, 5, 0.6, 1.1), (4, 14, 0.3, 1.0)),
     ((-13, -8, 0.2, 1.2), (-6, -6, 0.6, 1.1), (2, -8.5, 0.5, 1.0), (6, -14, 0.2, 1.0)),
 )
-# A thick artery across the channel and a branch that runs close to the wall.
+# A thick artery across the channel and a branch beside it. Both run along x, so that the equidistant cameras on the x
+# axis see under neither: on this site it matters where the cameras sit.
 ARTERY = (
+    ((-15, 4, 28.5, 2.1), (-7, 4, 30.5, 1.9), (0, 4, 31, 1.9), (7, 4, 30.5, 1.9), (15, 4, 28.5, 2.0)),
     (
-        (-15, -7, 28, 2.3),
-        (-8, -5, 30, 2.1),
-        (-2, -1, 30.5, 2.0),
-        (4, 1, 30.5, 1.9),
-        (9, 6, 29.5, 1.8),
-        (13, 10, 28, 1.8),
+        (-14, 3, 28.5, 1.6),
+        (-9.5, 0.5, 30, 1.6),
+        (-5.5, -3.8, 30.5, 1.4),
+        (0, -4.5, 31, 1.4),
+        (7, -4.7, 30.5, 1.4),
+        (15, -4.5, 28.5, 1.4),
     ),
-    ((-2, -1, 30.5, 1.4), (1, -6, 30, 1.4), (6, -9, 30, 1.3), (10.5, -6, 29.5, 1.2), (15, -4, 28, 1.2)),
 )
 NETWORK = (
     ((-15, -3, 0.3, 1.8), (-7, -2, 0.9, 1.7), (-1, 1, 1.2, 1.6), (5, 1, 1.0, 1.6), (9, 4, 0.8, 1.5), (15, 6, 0.3, 1.4)),
@@ -54,7 +55,7 @@ LONG_FURROWS = (
 
 PAPER_ANATOMY = {
     "circ_flat": Anatomy(bowl=4.5, uneven=(0.3, 11.0), vessels=SMALL_VESSELS, top=15.0, seed=3),
-    "circ_artery": Anatomy(bowl=4.5, uneven=(0.3, 11.0), vessels=SMALL_VESSELS, arteries=ARTERY, top=37.0, seed=3),
+    "circ_artery": Anatomy(bowl=4.5, uneven=(0.3, 11.0), vessels=SMALL_VESSELS, arteries=ARTERY, top=15.0, seed=3),
     "circ_angled": Anatomy(
         bowl=8.0,
         rise=(26.0, 0.2, 4.0, 16.0),

@@ -12,6 +12,7 @@ import trimesh
 
 from meshes.anatomy import Anatomy, Opening
 from meshes.errors import MeshError
+from meshes.further_anatomy import CEREBELLOPONTINE, EYE_ANTERIOR, GLIOBLASTOMA, SPINE_DISC
 from meshes.paper_anatomy import PAPER_ANATOMY
 from meshes.solid import carve
 
@@ -92,6 +93,39 @@ SITES: dict[str, Site] = {
             PAPER_DEPTHS,
             ELLIPTICAL,
             PAPER_ANATOMY["elliptical"],
+        ),
+        Site(
+            "eye_anterior",
+            "lens and iris in a flat, wide open bed",
+            (8.0,),
+            (Opening((15.0, 15.0), corners=48),),
+            EYE_ANTERIOR,
+            fov=(42.0, 42.0),
+            block=80.0,
+        ),
+        Site(
+            "spine_disc",
+            "disc, dural sac and nerve root under the edge of the lamina",
+            (50.0, 75.0, 100.0),
+            (Opening((12.5, 12.5), corners=39),) * 3,
+            SPINE_DISC,
+        ),
+        Site(
+            "glioblastoma",
+            "lobed resection cavity, 55 mm wide, with a bridging vessel",
+            (40.0, 65.0, 90.0),
+            (Opening((27.5, 27.5), corners=60),) * 3,
+            GLIOBLASTOMA,
+            fov=(75.0, 75.0),
+            block=120.0,
+        ),
+        Site(
+            "cerebellopontine",
+            "nerves and an arterial loop in the cleft beside the cerebellum",
+            (60.0, 80.0, 100.0),
+            (Opening((15.0, 15.0), corners=45),) * 3,
+            CEREBELLOPONTINE,
+            fov=(44.0, 32.0),
         ),
     )
 }

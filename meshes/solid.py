@@ -1,11 +1,14 @@
 """Turn the field of a site's air into a watertight block of tissue, by manifold3d's solid booleans."""
 
+from collections.abc import Callable
+
 import numpy as np
 import trimesh
 from manifold3d import Error, Manifold, Mesh64
 
-from meshes.anatomy import Anatomy, Opening, air
+from meshes.anatomy import Anatomy, Opening, air, arteries, artery_curves
 
+SMALLEST = 0.003  # edges shorter than this are collapsed and bends flatter than this straightened [mm]
 BASE = 12.0  # tissue below z = 0 [mm]
 MARGIN = 6.0  # how far pockets and furrows may reach beyond the channel [mm]
 FLOOR_MARGIN = 7.0  # how far they may reach below z = 0 [mm]
@@ -42,8 +45,13 @@ def carve(anatomy: Anatomy, opening: Opening, depth: float, block: float, edge: 
     if channel.status() != Error.NoError:
         raise AssertionError(f"the channel is no solid: {channel.status()}; change `edge` a little")
     tissue = Manifold.cube((block, block, BASE + depth)).translate((-block / 2, -block / 2, -BASE))
+    solid = tissue - channel
+    if artery_curves(anatomy, above_top=True):
+        # Where arteries enter the wall the boolean leaves triangles of any size; the smallest would not survive the
+        # rounding to single precision.
+        solid = (solid + _arteries(anatomy, edge)).simplify(SMALLEST)
     # The largest body: what the channel has cut off from the block would float in the air.
-    solid = max((tissue - channel).decompose(), key=lambda body: body.volume()).to_mesh64()
+    solid = max(solid.decompose(), key=lambda body: body.volume()).to_mesh64()
     vertices = np.asarray(solid.vert_properties)[:, :3].astype(np.float32).astype(np.float64)
     return trimesh.Trimesh(vertices, np.asarray(solid.tri_verts, dtype=np.int64), process=False)
 
@@ -53,17 +61,7 @@ def _bottom(anatomy: Anatomy, opening: Opening, edge: float) -> tuple[np.ndarray
     reach = np.array(opening.half_axes) + MARGIN
     bounds = (-reach[0], -reach[1], -FLOOR_MARGIN, reach[0], reach[1], anatomy.top + 2 * edge)
 
-    # manifold3d asks for one point at a time, which is slow; so note its points, compute them all at once, and
-    # answer from the table in the second run. Reading by coordinates does not depend on the order of its questions.
-    grid: list[tuple[float, float, float]] = []
-
-    def note(x: float, y: float, z: float) -> float:
-        grid.append((x, y, z))
-        return -1.0
-
-    Manifold.level_set(note, bounds, edge)
-    table = dict(zip(grid, air(anatomy, opening, np.array(grid)).tolist(), strict=True))
-    bottom = Manifold.level_set(lambda x, y, z: table[x, y, z], bounds, edge)
+    bottom = _level_set(lambda points: air(anatomy, opening, points), bounds, edge)
 
     def snap(vertices: np.ndarray) -> np.ndarray:
         vertices = np.array(vertices)
@@ -88,6 +86,31 @@ def _bottom(anatomy: Anatomy, opening: Opening, edge: float) -> tuple[np.ndarray
     faces = faces[(faces != np.roll(faces, 1, axis=1)).all(axis=1)]
     used, faces = np.unique(faces, return_inverse=True)
     return vertices[used], faces.reshape(-1, 3)
+
+
+def _arteries(anatomy: Anatomy, edge: float) -> Manifold:
+    """All arteries above the anatomy's top as one solid, their ends within the tissue."""
+    curves = np.vstack(artery_curves(anatomy, above_top=True))
+    radius = curves[:, 3:]
+    low, high = (curves[:, :3] - radius).min(axis=0) - edge, (curves[:, :3] + radius).max(axis=0) + edge
+    return _level_set(lambda points: -arteries(anatomy, points), (*low, *high), edge)
+
+
+def _level_set(field: Callable[[np.ndarray], np.ndarray], bounds: tuple[float, ...], edge: float) -> Manifold:
+    """Solid where a field is positive.
+
+    manifold3d asks for one point at a time, which is slow; so note its points, compute them all at once, and answer
+    from the table in a second run. Reading by coordinates does not depend on the order of its questions.
+    """
+    grid: list[tuple[float, float, float]] = []
+
+    def note(x: float, y: float, z: float) -> float:
+        grid.append((x, y, z))
+        return -1.0
+
+    Manifold.level_set(note, bounds, edge)
+    table = dict(zip(grid, field(np.array(grid)).tolist(), strict=True))
+    return Manifold.level_set(lambda x, y, z: table[x, y, z], bounds, edge)
 
 
 def _with_channel(

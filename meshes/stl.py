@@ -1,4 +1,4 @@
-"""Read STL files, binary and ASCII, without believing what they announce.
+"""Read STL files, binary and ASCII, without believing what they announce; write binary ones, the same bytes each time.
 
 trimesh reads well-formed STL files too, but keeps quiet about an ASCII file that breaks off or holds a word where a
 number belongs: it returns the part before it. An area of half a surface looks like any other, so this reader refuses.
@@ -7,6 +7,7 @@ number belongs: it returns the part before it. An area of half a surface looks l
 from pathlib import Path
 
 import numpy as np
+import trimesh
 
 from meshes.errors import MeshError
 
@@ -52,6 +53,41 @@ def read_stl(path: Path, data: bytes) -> np.ndarray:
         f"{path}: the header announces {announced} triangles, which take {needed} bytes, but the file has "
         f"{len(data)}. It is cut short, or not an STL file; copy or export it again"
     )
+
+
+def stl_bytes(mesh: trimesh.Trimesh, header: str = "") -> bytes:
+    """Binary STL file of a mesh.
+
+    Parameters
+    ----------
+    mesh : trimesh.Trimesh
+        Coordinates are rounded to single precision, as the format has it.
+    header : str
+        At most 80 ASCII characters; not starting with "solid", which some programs take for an ASCII file.
+
+    Returns
+    -------
+    bytes
+        The same for the same mesh: no date, no version.
+
+    Examples
+    --------
+    >>> len(stl_bytes(trimesh.creation.box(), "a cube")) == 84 + 12 * 50
+    True
+    """
+    try:
+        text = header.encode("ascii")
+    except UnicodeEncodeError:
+        text = b""
+    if len(text) > 80 or (header and not text) or text.lower().startswith(b"solid"):
+        raise MeshError(f'STL header is {header!r}; it must be at most 80 ASCII characters, not starting with "solid"')
+    triangles = np.zeros(len(mesh.faces), TRIANGLE)
+    corners = np.asarray(mesh.vertices, dtype=np.float64)[mesh.faces]
+    triangles["corners"] = corners
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    length = np.sqrt((normals * normals).sum(axis=1))[:, None]
+    triangles["normal"] = np.divide(normals, length, out=np.zeros_like(normals), where=length > 0)
+    return text.ljust(80) + np.uint32(len(triangles)).astype("<u4").tobytes() + triangles.tobytes()
 
 
 def _read_ascii(path: Path, data: bytes) -> np.ndarray:
