@@ -125,6 +125,7 @@ def tally(
     active: np.ndarray,
     workers: int,
     report: Callable[[int], object] | None = None,
+    depth_order: str = "exact",
 ) -> Tally:
     """Count the views of every part of the `active` faces, (F,) bool, until it meets `demand`."""
     n_faces, n_cameras = len(surface.faces), len(cameras)
@@ -140,7 +141,9 @@ def tally(
         for block in np.split(spread_order(cameras), range(BLOCK, n_cameras, BLOCK)):
             sights: list[Sight] = []
             for together in np.split(block, range(LOOK_TOGETHER, len(block), LOOK_TOGETHER)):
-                found = pool.map(lambda i, asked=active: look(project(surface, cameras[i]), asked), together)
+                found = pool.map(
+                    lambda i, asked=active: look(project(surface, cameras[i]), asked, depth_order), together
+                )
                 for i, sight in zip(together, found, strict=True):
                     sights.append(sight)
                     whole_seen[~is_cut, i] = sight.status[~is_cut] == WHOLE

@@ -89,8 +89,9 @@ def evaluate(
         Faces that are not counted. They hide what is behind them all the same.
     min_baseline : float
         Count a point only if two of the cameras that see it are at least this far apart [mm].
-    depth_order : {"exact"}
-        Which face is in front is decided point by point.
+    depth_order : {"exact", "vertex"}
+        Which of two faces is in front: decided point by point, or, as in Wachter 2021, section 2.3, for the whole of
+        their overlap by their nearest vertices, which is wrong for long or slanted faces and here for comparison only.
     weights : (F,) float array, optional
         Factor by which the area of each face counts, at least 0.
     workers : int
@@ -126,8 +127,8 @@ def evaluate(
         )
     if not (np.isfinite(min_baseline) and min_baseline >= 0):
         raise ExactError(f"min_baseline is {min_baseline}; it must be finite and at least 0 [mm]")
-    if depth_order != "exact":
-        raise ExactError(f'depth_order is {depth_order!r}; it must be "exact"')
+    if depth_order not in ("exact", "vertex"):
+        raise ExactError(f'depth_order is {depth_order!r}; it must be "exact" or "vertex"')
     if int(workers) != workers or workers < 1:
         raise ExactError(f"workers is {workers}; it must be a whole number, at least 1")
     surface = prepare(mesh)
@@ -138,7 +139,7 @@ def evaluate(
         position = np.array([camera.position for camera in cameras])
         far = np.linalg.norm(position[:, None] - position[None, :], axis=2) >= min_baseline
     demand = Demand(int(threshold), far)
-    seen = tally(surface, cameras, demand, counted, int(workers), report)
+    seen = tally(surface, cameras, demand, counted, int(workers), report, depth_order)
 
     whole = counted & ~seen.is_cut & (surface.areas > 0)
     whole_count, piece_count = seen.whole_seen.sum(axis=1), seen.pieces.seen.sum(axis=1)

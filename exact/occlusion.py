@@ -6,7 +6,8 @@ at all, and so is a whole patch of such faces joined by their edges: one point d
 along the segments, and each piece is asked for itself, so a segment too many does no harm.
 
 Unlike in Wachter 2021, section 2.3, which orders faces by their nearest vertices, depths are compared at the point
-itself, which is right for long, slanted and intersecting faces too.
+itself, which is right for long, slanted and intersecting faces too. The paper's rule is there for comparison
+(`depth_order="vertex"`): then any edge of a face can be where visibility changes.
 """
 
 from dataclasses import dataclass
@@ -50,9 +51,9 @@ class Sight:
     n_repairs: int
 
 
-def look(image: Image, active: np.ndarray) -> Sight:
+def look(image: Image, active: np.ndarray, depth_order: str = "exact") -> Sight:
     """What the camera of `image` sees of the `active` faces, (F,) bool; all others count as hidden."""
-    screen = Screen.of(image, active)
+    screen = Screen.of(image, active, depth_order)
     asked = (active & image.front)[screen.parent]
     status = np.zeros(len(image.front), dtype=np.int8)
     status[screen.parent[asked]] = WHOLE  # until something is found to cut or to hide it
@@ -73,7 +74,8 @@ def _patches_seen(screen: Screen, uncut: np.ndarray):
     image, surface = screen.image, screen.image.surface
     number = np.full(len(surface.faces), -1)
     number[uncut] = np.arange(len(uncut))
-    pair = number[surface.edge_faces]
+    # Ordered by their vertices, neighbours need not be hidden by the same faces: each is asked.
+    pair = number[surface.edge_faces if screen.face_distance is None else surface.edge_faces[:0]]
     pair = pair[(pair >= 0).all(axis=1)]
     graph = coo_array((np.ones(len(pair), dtype=np.int8), (pair[:, 0], pair[:, 1])), shape=(len(uncut),) * 2)
     n_patches, patch = connected_components(graph, directed=False)

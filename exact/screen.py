@@ -34,6 +34,9 @@ class Screen:
         Greatest and least 1/depth of each.
     tree : shapely.STRtree
         Of their boxes.
+    face_distance : (F,) float or None
+        Distance of each face's nearest vertex from the camera [mm], if the nearer face by this distance is to hide
+        the other wherever they overlap; None to compare depths at the point itself.
     """
 
     image: Image
@@ -45,9 +48,10 @@ class Screen:
     nearest: np.ndarray
     farthest: np.ndarray
     tree: shapely.STRtree
+    face_distance: np.ndarray | None
 
     @classmethod
-    def of(cls, image: Image, active: np.ndarray) -> "Screen":
+    def of(cls, image: Image, active: np.ndarray, depth_order: str) -> "Screen":
         """The screen of an image, as far as it is needed to look at the `active` faces, (F,) bool."""
         candidate = np.flatnonzero(hides(image)[image.parent])
         corner = image.corners[candidate]
@@ -63,9 +67,14 @@ class Screen:
         triangle = candidate[solid]
         inverse_depth = image.inverse_depth[corner[solid]]
         tree = shapely.STRtree(shapely.box(*(side[solid] for side in box)))
+        face_distance = None
+        if depth_order == "vertex":
+            surface = image.surface
+            distance = np.linalg.norm(surface.vertices - image.camera.position, axis=1)
+            face_distance = distance[surface.faces].min(axis=1)
         return cls(
             image, triangle, image.parent[triangle], x[solid], y[solid], inverse_depth,
-            inverse_depth.max(axis=1), inverse_depth.min(axis=1), tree,
+            inverse_depth.max(axis=1), inverse_depth.min(axis=1), tree, face_distance,
         )  # fmt: skip
 
     def sees(self, face: np.ndarray, inner: np.ndarray) -> np.ndarray:
@@ -81,14 +90,22 @@ class Screen:
         asked = np.flatnonzero(seen)
         point, found = self.tree.query(shapely.points(x[asked], y[asked]))
         point = asked[point]
-        limit = inverse_depth * (1 + SAME_DEPTH)
-        near_enough = (self.nearest[found] > limit[point]) & (self.parent[found] != face[point])
-        point, found = point[near_enough], found[near_enough]
-        weight = barycentric(self.x[found], self.y[found], x[point], y[point])
-        plane = (weight * self.inverse_depth[found]).sum(axis=1)
-        hidden = (weight.min(axis=1) >= -ON_EDGE) & (plane > limit[point])
+        if self.face_distance is not None:
+            nearer = self.face_distance[self.parent[found]] < self.face_distance[face[point]]
+            point, found = point[nearer], found[nearer]
+            hidden = self._weights(found, x[point], y[point]).min(axis=1) >= -ON_EDGE
+        else:
+            limit = inverse_depth * (1 + SAME_DEPTH)
+            near_enough = (self.nearest[found] > limit[point]) & (self.parent[found] != face[point])
+            point, found = point[near_enough], found[near_enough]
+            weight = self._weights(found, x[point], y[point])
+            plane = (weight * self.inverse_depth[found]).sum(axis=1)
+            hidden = (weight.min(axis=1) >= -ON_EDGE) & (plane > limit[point])
         seen[point[hidden]] = False
         return seen
+
+    def _weights(self, found: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        return barycentric(self.x[found], self.y[found], x, y)
 
 
 def _near(box: tuple, active: np.ndarray, half_extent: np.ndarray) -> np.ndarray:

@@ -52,7 +52,7 @@ class _Ends:
 def crossings(screen: Screen, asked: np.ndarray) -> Cuts:
     """Where something passes in front of the triangles of `screen` that are `asked` about, (N,) bool."""
     image = screen.image
-    edges = _silhouettes(image)
+    edges = _silhouettes(image) if screen.face_distance is None else _all_edges(screen)
     half_x, half_y = image.camera.half_extent
     border_x = half_x * np.array([-1.0, 1.0, 1.0, -1.0])
     border_y = half_y * np.array([-1.0, -1.0, 1.0, 1.0])
@@ -72,7 +72,9 @@ def crossings(screen: Screen, asked: np.ndarray) -> Cuts:
     )
     segment, found = screen.tree.query(boxes)
     nearest = np.maximum(start.inverse_depth, end.inverse_depth) * (1 + SAME_DEPTH)
-    keep = asked[found] & (nearest[segment] >= screen.farthest[found])
+    keep = asked[found]
+    if screen.face_distance is None:
+        keep &= nearest[segment] >= screen.farthest[found]
     segment, found = segment[keep], found[keep]
     keep = _line_meets(screen, found, start.take(segment), end.take(segment))
     segment, found = segment[keep], found[keep]
@@ -103,6 +105,12 @@ def _silhouettes(image: Image) -> np.ndarray:
     edges = edges[ahead[edges].all(axis=1)]
     parts = image.corners[image.is_part]
     return np.concatenate([edges, parts[:, [0, 1]], parts[:, [1, 2]], parts[:, [2, 0]]])
+
+
+def _all_edges(screen: Screen) -> np.ndarray:
+    """(S, 2) end points of all edges of the triangles of a screen."""
+    corner = screen.image.corners[screen.triangle]
+    return np.unique(np.sort(np.concatenate([corner[:, [0, 1]], corner[:, [1, 2]], corner[:, [2, 0]]]), axis=1), axis=0)
 
 
 def _line_meets(screen: Screen, found: np.ndarray, start: _Ends, end: _Ends) -> np.ndarray:
@@ -145,9 +153,10 @@ def _clip(screen: Screen, found: np.ndarray, start: _Ends, end: _Ends) -> Cuts:
         plane = ((at_start + at[:, None] * step) * inverse).sum(axis=1)
         return (start.inverse_depth + at * (end.inverse_depth - start.inverse_depth) - plane) / plane
 
-    # At a common corner neither is in front: the other end tells.
+    # At a common corner neither is in front: the other end tells. By vertices, where a segment is decides nothing.
     first, last = np.where(has_start, -np.inf, lead(enter)), np.where(has_end, -np.inf, lead(leave))
-    keep &= np.maximum(first, last) > -SAME_DEPTH
+    if screen.face_distance is None:
+        keep &= np.maximum(first, last) > -SAME_DEPTH
     found, inverse, step = found[keep], inverse[keep], step[keep]
     ends = []
     for at in (enter[keep], leave[keep]):
