@@ -81,6 +81,35 @@ def cut_pieces(face: np.ndarray, piece: np.ndarray, cuts: Cuts, on_grid: np.ndar
     return origin[order], cell[order], len(failed)
 
 
+def unite(group: np.ndarray, polygon: np.ndarray):
+    """Unite polygons that do not overlap.
+
+    Parameters
+    ----------
+    group : (N,) int
+        Which of them belong together: 0, 1, .. without gaps, ascending.
+    polygon : (N,) polygons or multipolygons
+
+    Returns
+    -------
+    united : (G,) polygons or multipolygons
+        One for each group. A union must have the area of its parts, or it is formed again on a precision grid.
+    failed : (G,) bool
+        Groups that have no such union even then: theirs is an (invalid) multipolygon of the parts side by side.
+    n_repairs : int
+        Groups whose first union had not the right area.
+    """
+    parts, owner = shapely.get_parts(polygon, return_index=True)
+    together = np.asarray(shapely.multipolygons(parts, indices=group[owner]))
+    expected = np.bincount(group, weights=shapely.area(polygon))
+    united = np.asarray(shapely.union_all(together[:, None], axis=1))
+    wrong = np.abs(shapely.area(united) - expected) > FILL_TOLERANCE
+    united[wrong] = shapely.union_all(together[wrong, None], axis=1, grid_size=GRID_SIZE)
+    failed = np.abs(shapely.area(united) - expected) > FILL_TOLERANCE
+    united[failed] = together[failed]
+    return united, failed, int(wrong.sum())
+
+
 def _segments_over(face: np.ndarray, piece: np.ndarray, cuts: Cuts):
     """Lines of `cuts` that meet a piece of their face: the piece of each, (L,) int, and the line."""
     first, last = np.searchsorted(cuts.face, face, "left"), np.searchsorted(cuts.face, face, "right")

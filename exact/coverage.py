@@ -14,7 +14,7 @@ import numpy as np
 import shapely
 
 from exact.cameras import Camera
-from exact.clipping import cut_pieces, whole_faces
+from exact.clipping import cut_pieces, unite, whole_faces
 from exact.occlusion import CUT, WHOLE, Sight, look
 from exact.projection import project
 from exact.surface import Surface
@@ -205,20 +205,20 @@ def _refine(pieces: Pieces, sights: list[Sight], status, block: np.ndarray, dema
         done += [cut.take(met), cells.take(cells_met)]
         cells = cells.take(~cells_met)
         if coming.any():
-            cells = _merged(cells, demand.state(cells.seen, coming))
+            cells, repairs = _merged(cells, demand.state(cells.seen, coming))
+            n_repairs += repairs
         pieces = Pieces.joined([rest, cut.take(~met), cells])
     return Pieces.joined(done), pieces, n_repairs
 
 
-def _merged(pieces: Pieces, state: np.ndarray) -> Pieces:
-    """Unite the pieces of each face that are in the same state."""
+def _merged(pieces: Pieces, state: np.ndarray) -> tuple[Pieces, int]:
+    """Unite the pieces of each face that are in the same state; also the number of repairs."""
     if not len(pieces.face):
-        return pieces
+        return pieces, 0
     key = np.concatenate([pieces.face[:, None], state], axis=1)
     _, first, group = np.unique(key, axis=0, return_index=True, return_inverse=True)
     group = group.reshape(-1)
     order = np.argsort(group, kind="stable")
-    parts, owner = shapely.get_parts(pieces.polygon[order], return_index=True)
-    together = np.asarray(shapely.multipolygons(parts, indices=group[order][owner]))
-    united = np.asarray(shapely.union_all(together[:, None], axis=1))
-    return Pieces(pieces.face[first], united, pieces.seen[first])
+    united, failed, n_repairs = unite(group[order], pieces.polygon[order])
+    merged = Pieces(pieces.face[first], united, pieces.seen[first]).take(~failed)
+    return Pieces.joined([merged, pieces.take(failed[group])]), n_repairs

@@ -7,7 +7,7 @@ import shapely
 import trimesh
 
 from exact.cameras import Camera
-from exact.clipping import whole_faces
+from exact.clipping import unite, whole_faces
 from exact.coverage import Demand, tally
 from exact.errors import ExactError
 from exact.projection import image_polygons
@@ -48,8 +48,7 @@ def view(mesh: trimesh.Trimesh, camera: Camera) -> View:
     visible = seen.pieces.seen[:, 0]
     face, first = np.unique(seen.pieces.face[visible], return_index=True)
     group = np.repeat(np.arange(len(face)), np.diff(np.append(first, visible.sum())))
-    piece = np.asarray(shapely.multipolygons(seen.pieces.polygon[visible], indices=group))
-    piece = np.asarray(shapely.union_all(piece[:, None], axis=1))
+    piece, _, repairs = unite(group, seen.pieces.polygon[visible])
     areas = np.where(whole, surface.areas, 0.0)
     areas[face] = 2 * surface.areas[face] * shapely.area(piece)
 
@@ -57,7 +56,7 @@ def view(mesh: trimesh.Trimesh, camera: Camera) -> View:
     shown = np.flatnonzero(whole)
     polygons[shown] = image_polygons(surface, camera, shown, whole_faces(len(shown)))
     polygons[face] = image_polygons(surface, camera, face, piece)
-    return View(camera, areas, polygons, seen.n_repairs, mesh, (shown, face, piece))
+    return View(camera, areas, polygons, seen.n_repairs + repairs, mesh, (shown, face, piece))
 
 
 def evaluate(
