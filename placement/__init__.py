@@ -8,7 +8,8 @@ import jax
 
 jax.config.update("jax_enable_x64", True)
 
-from placement.constraints import Constraints  # noqa: E402 - after the switch to double precision
+from placement.certificate import Certificate, certify  # noqa: E402 - after the switch to double precision
+from placement.constraints import Constraints  # noqa: E402
 from placement.errors import PlacementError  # noqa: E402
 from placement.optimise import optimise  # noqa: E402
 from placement.results import Candidate, Placement, SearchRecord  # noqa: E402
@@ -17,12 +18,14 @@ from placement.triangulation import Triangulation, triangulation  # noqa: E402
 
 __all__ = [
     "Candidate",
+    "Certificate",
     "Constraints",
     "Placement",
     "PlacementError",
     "SearchRecord",
     "Settings",
     "Triangulation",
+    "certify",
     "optimise",
     "triangulation",
 ]

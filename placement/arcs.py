@@ -163,11 +163,11 @@ class LayoutSpace:
             free[distance.argmin()] = False
         return np.flatnonzero(free)
 
-    def allowed(self, candidates, others) -> np.ndarray:
-        """(G,) bool: may one more camera be at each of the (G,) ring angles beside the (M - 1,) others [rad]."""
+    def allowed(self, candidates, others, slack: float = 0.0) -> np.ndarray:
+        """(G,) bool: may one more camera be at each of the (G,) ring angles beside the others, to `slack` [rad]."""
         candidates = np.asarray(candidates, dtype=np.float64)
         half_gaps = np.abs(np.sin((candidates[:, None] - np.asarray(others)[None, :]) / 2))
-        allowed = (half_gaps >= np.sin(self.minimum_gap / 2)).all(axis=1)
+        allowed = (half_gaps >= np.sin(max(self.minimum_gap - slack, 0.0) / 2)).all(axis=1)
         for start, end in self.constraints.forbidden:
             inside = np.mod(candidates - start, TURN)
             allowed &= (inside <= 0) | (inside >= np.mod(end - start, TURN))

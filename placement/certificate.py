@@ -1,8 +1,271 @@
-"""A proven upper bound for any layout, and the gap to it."""
+"""How far a layout is from the best possible: upper bounds that no layout of the request exceeds.
 
-from dataclasses import dataclass
+Two bounds, both on the samples and their ring profiles:
+
+- *grid*: cameras only at multiples of the step. Solved to the end, so its layout is the best there is on the grid.
+- *any angle*: a point counts as seen from a cell between two neighbouring grid angles if it is seen from anywhere in
+  it, and cells exclude each other only if they hold no two angles that are far enough apart. Choosing cells is then
+  at least as good as any layout. Smaller cells give a tighter bound; they are halved while that is quick.
+"""
+
+import time
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+import trimesh
+
+import exact
+from placement.arcs import TURN, LayoutSpace
+from placement.constraints import GAP_MARGIN, Constraints, checked_threshold
+from placement.grid_program import QUICK_MULTIPLICATIONS, GridProgram, GridSolution, multiplications, solve
+from placement.profiles import RingProfiles
+from placement.sampled_site import SampledSite, sample_site
+from placement.settings import Settings
+
+# The mixed-integer program stops at this relative gap: what "proven" means.
+PROOF_TOLERANCE = 0.002
+# The same for the program over cells, whose solver adds this much to the bound at most.
+CELL_TOLERANCE = 0.001
+# Angles that differ by less than this many steps are the same.
+STEP_TOLERANCE = 1e-6
+# Cells are halved at most this often: smaller ones only repeat the angles at which profiles were traced.
+MOST_HALVINGS = 2
+# Interleaved parts of the samples whose scatter measures the sampling error.
+ERROR_PARTS = 8
 
 
 @dataclass(frozen=True)
 class Certificate:
-    """Placeholder filled in below."""
+    """Upper bounds for any layout of a request, as fractions of the ring maximum of the samples.
+
+    Attributes
+    ----------
+    bound_fraction : float
+        No layout whatever reconstructs more of the samples.
+    gap : float or None
+        `bound_fraction` less `layout_fraction`.
+    proven : bool
+        Whether the grid program was solved to 0.2 %.
+    seconds : float
+        Time taken [s].
+    grid_bound_fraction : float
+        No layout on the grid reconstructs more of the samples.
+    grid_fraction : float or None
+        What the best layout found on the grid reconstructs; None if none was found.
+    grid_angles : tuple of float or None
+        That layout [rad].
+    grid_gap : float or None
+        `grid_bound_fraction` less `layout_fraction`; below 0 if the layout beats every layout on the grid.
+    layout_fraction : float or None
+        What the layout in question reconstructs of the samples.
+    step, cell : float
+        Step of the grid and width of the smallest cells [rad].
+    method : str
+        How the grid program was solved.
+    n_samples, n_profiles : int
+        Samples that some camera sees, and their distinct profiles on the grid.
+    sampling_error : float
+        Standard error of a sampled fraction, measured on parts of the samples.
+    ignores_baseline : bool
+        Whether a baseline was asked for; the bounds hold, but leave it out.
+    """
+
+    bound_fraction: float
+    gap: float | None
+    proven: bool
+    seconds: float = field(compare=False)
+    grid_bound_fraction: float
+    grid_fraction: float | None
+    grid_angles: tuple[float, ...] | None
+    grid_gap: float | None
+    layout_fraction: float | None
+    step: float
+    cell: float
+    method: str
+    n_samples: int
+    n_profiles: int
+    sampling_error: float
+    ignores_baseline: bool
+
+    @property
+    def statement(self) -> str:
+        """What is proven, and what is not, in words."""
+        step, cell = np.degrees(self.step), np.degrees(self.cell)
+        words = [
+            f"On {self.n_samples} sample points no layout with cameras at multiples of {step:g} degrees reconstructs "
+            f"more than {self.grid_bound_fraction:.2%} of the ring maximum, and no layout at any angles more than "
+            f"{self.bound_fraction:.2%} ({self.method}, cells of {cell:g} degrees)."
+        ]
+        if self.grid_fraction is None:
+            words.append("No layout on the grid meets the constraints, or none was found in time.")
+        elif not self.proven:
+            words.append(
+                f"Time ran out: the best layout known on the grid has {self.grid_fraction:.2%}, so the grid's bound "
+                "is not shown to be reached."
+            )
+        if self.layout_fraction is not None:
+            words.append(f"The layout proposed reconstructs {self.layout_fraction:.2%} of the same samples.")
+        words.append(
+            f"Not proven: anything between the samples (standard error of a fraction {self.sampling_error:.2%}), and "
+            "arcs of visibility narrower than the step at which profiles were traced."
+        )
+        if self.ignores_baseline:
+            words.append("The bounds leave the baseline out; with it they hold but may be loose.")
+        return " ".join(words)
+
+
+def certify(
+    mesh: trimesh.Trimesh,
+    ring: exact.Ring,
+    n_cameras: int = 4,
+    threshold: int = 2,
+    exclude: np.ndarray | None = None,
+    constraints: Constraints | None = None,
+    settings: Settings | None = None,
+    seed: int = 0,
+    layout=None,
+) -> Certificate:
+    """Bound what any layout of a request can reconstruct.
+
+    Parameters
+    ----------
+    mesh, ring, n_cameras, threshold, exclude, constraints, settings, seed
+        The request, as for `optimise`; `settings.certificate_step` and `settings.certificate_seconds` say how.
+    layout : (M,) array_like, optional
+        Ring angles [rad] whose gap to the bounds is wanted.
+
+    Raises
+    ------
+    PlacementError
+        If the request cannot be met.
+
+    Examples
+    --------
+    >>> from dataclasses import replace
+    >>> step = trimesh.util.concatenate([trimesh.creation.box((30, 30, 1)), trimesh.creation.box((1, 8, 30))])
+    >>> quick = replace(Settings(), n_samples=500, n_angles=36, certificate_step=float(np.radians(10)))
+    >>> found = certify(step, exact.Ring(), n_cameras=2, settings=quick)
+    >>> found.proven, bool(found.grid_fraction <= found.grid_bound_fraction <= found.bound_fraction <= 1)
+    (True, True)
+    """
+    constraints = Constraints() if constraints is None else constraints
+    settings = Settings() if settings is None else settings
+    space = LayoutSpace(ring, n_cameras, constraints)
+    threshold = checked_threshold(threshold, space.n_cameras, constraints)
+    site = sample_site(mesh, ring, threshold, exclude, settings, seed)
+    certificate = certify_samples(site, space, threshold, settings)
+    return certificate if layout is None else measure(certificate, site, layout, threshold)
+
+
+def certify_samples(site: SampledSite, space: LayoutSpace, threshold: int, settings: Settings) -> Certificate:
+    """Bound what any layout of `space` can reconstruct of the samples of `site`; see `certify`."""
+    begun = time.perf_counter()
+    end = begun + settings.certificate_seconds
+    profiles, whole = site.profiles, site.ring_area
+    n_grid = max(4, round(TURN / settings.certificate_step))
+
+    program = grid_of(profiles, space, threshold, n_grid)
+    # Half of the time for the grid; the bound for any angle needs the rest.
+    grid = solve(program, settings.certificate_seconds / 2, PROOF_TOLERANCE)
+    bound, n_cells = float(profiles.weights.sum()), n_grid
+    found = None
+    for halving in range(MOST_HALVINGS + 1):
+        cells = cells_of(profiles, space, threshold, n_grid * 2**halving)
+        easy = found is None or (found.finished and found.method != "enumeration")
+        if not easy and multiplications(cells) > QUICK_MULTIPLICATIONS:
+            break
+        found = solve(cells, max(end - time.perf_counter(), 1.0), CELL_TOLERANCE)
+        if found.bound < bound:
+            bound, n_cells = found.bound, n_grid * 2**halving
+
+    angles = _angles(grid, space, n_grid)
+    return Certificate(
+        bound_fraction=bound / whole,
+        gap=None,
+        proven=grid.finished and grid.bound - grid.value <= 1.01 * PROOF_TOLERANCE * whole,
+        seconds=time.perf_counter() - begun,
+        grid_bound_fraction=grid.bound / whole,
+        grid_fraction=None if angles is None else grid.value / whole,
+        grid_angles=angles,
+        grid_gap=None,
+        layout_fraction=None,
+        step=TURN / n_grid,
+        cell=TURN / n_cells,
+        method=grid.method,
+        n_samples=len(profiles.weights),
+        n_profiles=len(program.merged().weights),
+        sampling_error=_sampling_error(profiles, angles, threshold),
+        ignores_baseline=space.constraints.baseline(space.ring) > 0,
+    )
+
+
+def measure(certificate: Certificate, site: SampledSite, layout, threshold: int) -> Certificate:
+    """Return the certificate with the gaps of `layout`, (M,) ring angles [rad], to its bounds."""
+    covered = site.profiles.at(layout).sum(axis=0) >= threshold
+    fraction = float(site.profiles.weights[covered].sum()) / site.ring_area
+    return replace(
+        certificate,
+        layout_fraction=fraction,
+        gap=certificate.bound_fraction - fraction,
+        grid_gap=certificate.grid_bound_fraction - fraction,
+        sampling_error=_sampling_error(site.profiles, layout, threshold),
+    )
+
+
+def grid_of(profiles: RingProfiles, space: LayoutSpace, threshold: int, n_grid: int) -> GridProgram:
+    """Layouts with the free cameras at multiples of 2 pi / n_grid, as a program."""
+    step = TURN / n_grid
+    grid = step * np.arange(n_grid)
+    window = int(np.ceil(space.minimum_gap / step - STEP_TOLERANCE))
+    fixed = np.array(space.constraints.fixed)
+    base = profiles.at(fixed).sum(axis=0) if len(fixed) else np.zeros(len(profiles.weights), dtype=int)
+    allowed = space.allowed(grid, fixed, slack=2 * GAP_MARGIN)
+    return GridProgram(profiles.at(grid), profiles.weights, base, space.n_free, threshold, window, allowed)
+
+
+def cells_of(profiles: RingProfiles, space: LayoutSpace, threshold: int, n_cells: int) -> GridProgram:
+    """Choose the cells [2 pi k / n, 2 pi (k + 1) / n] that the free cameras lie in: no layout is left out."""
+    step = TURN / n_cells
+    # Between profile angles the signed distance is linear: on a cell it is greatest at an end or at one of them.
+    nodes = TURN * np.arange(profiles.n_angles) / profiles.n_angles
+    ends = profiles.at(step * np.arange(n_cells))
+    seen = ends | np.roll(ends, -1, axis=0)
+    np.logical_or.at(seen, np.floor(nodes / step + STEP_TOLERANCE).astype(int) % n_cells, profiles.visible)
+    # Angles of two cells w apart differ by up to (w + 1) steps, less when that is no longer the short way around.
+    window = max(0, int(np.ceil(space.minimum_gap / step - 1 - STEP_TOLERANCE)))
+    fixed = np.array(space.constraints.fixed)
+    base = profiles.at(fixed).sum(axis=0) if len(fixed) else np.zeros(len(profiles.weights), dtype=int)
+    return GridProgram(seen, profiles.weights, base, space.n_free, threshold, window, _open_cells(space, n_cells))
+
+
+def _open_cells(space: LayoutSpace, n_cells: int) -> np.ndarray:
+    """(n_cells,) bool: cells that hold an angle which is allowed; those in a single blocked arc hold none."""
+    step = TURN / n_cells
+    start = step * np.arange(n_cells)
+    blocked = [(angle - space.minimum_gap, 2 * space.minimum_gap) for angle in space.constraints.fixed]
+    blocked += [(first, np.mod(last - first, TURN)) for first, last in space.constraints.forbidden]
+    is_open = np.ones(n_cells, dtype=bool)
+    for first, width in blocked:
+        inside = np.mod(start - first, TURN)
+        # Strictly: an allowed layout may sit on the very end of a blocked arc.
+        is_open &= ~((inside > 4 * GAP_MARGIN) & (inside + step < width - 4 * GAP_MARGIN))
+    return is_open
+
+
+def _angles(grid: GridSolution, space: LayoutSpace, n_grid: int) -> tuple[float, ...] | None:
+    if grid.places is None:
+        return None
+    return (*(TURN * np.array(grid.places, dtype=float) / n_grid).tolist(), *space.constraints.fixed)
+
+
+def _sampling_error(profiles: RingProfiles, layout, threshold: int) -> float:
+    """Standard error of a layout's fraction, from the scatter among interleaved parts of the samples."""
+    if layout is None:
+        return float("nan")
+    covered = profiles.at(layout).sum(axis=0) >= threshold
+    part = np.arange(len(covered)) % ERROR_PARTS
+    ring = profiles.visible.sum(axis=0) >= threshold
+    n_in = np.bincount(part, weights=profiles.weights * ring, minlength=ERROR_PARTS)
+    got = np.bincount(part, weights=profiles.weights * (covered & ring), minlength=ERROR_PARTS)
+    fractions = got / np.where(n_in > 0, n_in, 1.0)
+    return float(fractions.std(ddof=1) / np.sqrt(ERROR_PARTS))

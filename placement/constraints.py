@@ -134,3 +134,23 @@ class Constraints:
                     f"{np.degrees(start):.1f} to {np.degrees(end):.1f} degrees"
                 )
         return found
+
+
+def checked_threshold(threshold: int, n_cameras: int, constraints: Constraints) -> int:
+    """Return `threshold` if `n_cameras` cameras can meet it.
+
+    Raises
+    ------
+    PlacementError
+        If it is not a whole number from 1 to the number of cameras, or one camera is asked for a baseline.
+    """
+    if not isinstance(threshold, int | np.integer) or isinstance(threshold, bool) or threshold < 1:
+        raise PlacementError(f"threshold is {threshold!r}; it must be a whole number, at least 1")
+    if threshold > n_cameras:
+        raise PlacementError(
+            f"threshold is {threshold} but there are only {n_cameras} cameras, so nothing can be reconstructed; "
+            f"ask for at least {threshold} cameras or lower the threshold"
+        )
+    if n_cameras == 1 and (constraints.min_baseline > 0 or constraints.min_angle > 0):
+        raise PlacementError("one camera has no baseline; ask for at least 2 cameras")
+    return int(threshold)

@@ -8,9 +8,9 @@ import trimesh
 
 import exact
 from placement.arcs import LayoutSpace
-from placement.constraints import Constraints
+from placement.certificate import certify_samples, measure
+from placement.constraints import Constraints, checked_threshold
 from placement.descent import descend
-from placement.errors import PlacementError
 from placement.exchange import SampledCoverage
 from placement.layout import Arcs
 from placement.results import Candidate, Placement, SearchRecord, library_versions, mesh_hash
@@ -21,6 +21,8 @@ from placement.settings import Settings
 
 Progress = Callable[[str, int, int], object]
 """Called with what is being done, how many steps of it are done, and how many there are."""
+Found = tuple[np.ndarray, float | None]
+"""A layout and its soft coverage, where it was asked for."""
 
 
 def optimise(
@@ -33,6 +35,7 @@ def optimise(
     settings: Settings | None = None,
     seed: int = 0,
     progress: Progress | None = None,
+    certify: bool = True,
 ) -> Placement:
     """Find where `n_cameras` cameras on `ring` reconstruct the most of `mesh`.
 
@@ -56,6 +59,9 @@ def optimise(
         Of samples and starts. The same request with the same seed gives the same layout, bit for bit.
     progress : callable, optional
         Called with (what, done, total).
+    certify : bool
+        Also bound what any layout could reconstruct (`Placement.certificate`), within
+        `settings.certificate_seconds`; a better layout found on the way is taken.
 
     Returns
     -------
@@ -94,6 +100,15 @@ def optimise(
     phases = 2 * np.pi / space.n_cameras * np.arange(settings.n_phases) / settings.n_phases
     pool, record = _search(space, site, coverage, threshold, baseline, settings, seed)
     clock.lap("search")
+
+    certificate = None
+    if certify:
+        report("bounding any layout", 0, 1)
+        certificate = certify_samples(site, space, threshold, settings)
+        best_on_grid = certificate.grid_angles
+        if best_on_grid is not None and space.allows(best_on_grid):
+            pool = _distinct_pool([*pool, (np.array(best_on_grid), None)], coverage, settings)
+        clock.lap("certificate")
 
     sampled_phases = np.array([coverage.area(ring.equidistant(space.n_cameras, phase)) for phase in phases])
     leading = np.argsort(-sampled_phases, kind="stable")[: settings.exact_phases]
@@ -138,7 +153,7 @@ def optimise(
         best_equidistant_phase=float(best_phase),
         ring_area=ring_area,
         candidates=tuple(scored),
-        certificate=None,
+        certificate=None if certificate is None else measure(certificate, site, scored[0].angles, threshold),
         search=SearchRecord(**record, n_exact=scorer.n_evaluations, seconds=clock.seconds),
         mesh_hash=mesh_hash(mesh),
         n_excluded=int(excluded.sum()),
@@ -152,26 +167,6 @@ def optimise(
     )
 
 
-def checked_threshold(threshold: int, n_cameras: int, constraints: Constraints) -> int:
-    """Return `threshold` if `n_cameras` cameras can meet it.
-
-    Raises
-    ------
-    PlacementError
-        If it is not a whole number from 1 to the number of cameras, or one camera is asked for a baseline.
-    """
-    if not isinstance(threshold, int | np.integer) or isinstance(threshold, bool) or threshold < 1:
-        raise PlacementError(f"threshold is {threshold!r}; it must be a whole number, at least 1")
-    if threshold > n_cameras:
-        raise PlacementError(
-            f"threshold is {threshold} but there are only {n_cameras} cameras, so nothing can be reconstructed; "
-            f"ask for at least {threshold} cameras or lower the threshold"
-        )
-    if n_cameras == 1 and (constraints.min_baseline > 0 or constraints.min_angle > 0):
-        raise PlacementError("one camera has no baseline; ask for at least 2 cameras")
-    return int(threshold)
-
-
 def _search(
     space: LayoutSpace,
     site: SampledSite,
@@ -180,7 +175,7 @@ def _search(
     baseline: float,
     settings: Settings,
     seed: int,
-) -> tuple[list[tuple[np.ndarray, float | None]], dict[str, int]]:
+) -> tuple[list[Found], dict[str, int]]:
     """Distinct layouts with their soft coverage, most sampled area first, and counts of what happened."""
     if space.n_free == 0:
         return [(np.array(space.constraints.fixed), None)], dict(n_starts=0, n_failed=0, n_flat=0, n_distinct=1)
@@ -201,7 +196,7 @@ def _search(
         max_steps=settings.max_steps,
     )
     scale = float(site.profiles.weights.sum()) / site.ring_area
-    found: list[tuple[np.ndarray, float | None]] = [
+    found: list[Found] = [
         (end, float(soft) * scale)
         for end, soft, failed in zip(ends.angles, ends.soft_coverage, ends.failed, strict=True)
         if not failed and space.allows(end)
@@ -211,12 +206,17 @@ def _search(
     found.sort(key=lambda layout: -coverage.area(layout[0]))
     leading = distinct([layout for layout, _ in found], settings.distinct_tolerance)[: settings.n_pair_searches]
     found += [(coverage.improve_pairs(space, found[i][0]), None) for i in leading]
-    found.sort(key=lambda layout: -coverage.area(layout[0]))
-    kept = [found[i] for i in distinct([layout for layout, _ in found], settings.distinct_tolerance)]
+    kept = _distinct_pool(found, coverage, settings)
     counts = dict(
         n_starts=len(starts), n_failed=int(ends.failed.sum()), n_flat=int(ends.flat.sum()), n_distinct=len(kept)
     )
     return kept, counts
+
+
+def _distinct_pool(found: list[Found], coverage: SampledCoverage, settings: Settings) -> list[Found]:
+    """Sort by sampled area, best first, and keep one of each group of nearly equal layouts."""
+    found = sorted(found, key=lambda layout: -coverage.area(layout[0]))
+    return [found[i] for i in distinct([layout for layout, _ in found], settings.distinct_tolerance)]
 
 
 def _starts(space: LayoutSpace, settings: Settings, rng: np.random.Generator) -> list[np.ndarray]:

@@ -1,6 +1,5 @@
 """What came out: the layout proposed, everything it was compared with, and all that is needed to repeat it."""
 
-import hashlib
 from dataclasses import dataclass, field
 from importlib.metadata import version
 
@@ -8,6 +7,7 @@ import numpy as np
 import trimesh
 
 import exact
+from meshes import fingerprint as mesh_hash
 from placement.certificate import Certificate
 from placement.constraints import Constraints
 from placement.settings import Settings
@@ -128,19 +128,6 @@ class Placement:
         """Least chord between two cameras [mm]; infinite for one camera."""
         separations = self.ring.separations(self.angles)
         return float(np.min(separations[~np.eye(len(separations), dtype=bool)], initial=np.inf))
-
-
-def mesh_hash(mesh: trimesh.Trimesh) -> str:
-    """SHA-256 of the vertices and faces, in hexadecimal.
-
-    Examples
-    --------
-    >>> mesh_hash(trimesh.creation.box()) == mesh_hash(trimesh.creation.box())
-    True
-    """
-    digest = hashlib.sha256(np.ascontiguousarray(mesh.vertices, dtype="<f8").tobytes())
-    digest.update(np.ascontiguousarray(mesh.faces, dtype="<i8").tobytes())
-    return digest.hexdigest()
 
 
 def library_versions() -> dict[str, str]:

@@ -25,8 +25,8 @@ class SampledSite:
     profiles : RingProfiles
         Of the points that some camera of the ring sees; those that all of them see are merged into one.
     ring_area : float
-        Area [mm²] of the samples that `threshold` of the grid's angles see: what the samples say of the ring
-        maximum.
+        Area [mm²] of the samples that `threshold` of `settings.ring_cameras` equidistant cameras see: what the
+        samples say of the ring maximum.
     """
 
     samples: SurfaceSamples
@@ -81,9 +81,9 @@ def sample_site(
     samples = sample_surface(mesh, settings.n_samples, exclude=excluded | ~towards, seed=seed)
     visibility = Visibility(mesh)
     profiles = ring_profiles(visibility, samples, ring, settings.n_angles, settings.bisections)
-    seen_from = profiles.visible.sum(axis=0)
-    if seen_from.max() == 0:
+    if not profiles.visible.any():
         raise PlacementError(_blind(f"all {len(samples)} sample points are hidden or outside the field of view", ring))
+    seen_from = profiles.at(ring.equidistant(max(settings.ring_cameras, threshold))).sum(axis=0)
     if seen_from.max() < threshold:
         raise PlacementError(f"no point is seen by {threshold} cameras anywhere on the ring; lower the threshold")
     ring_area = float(samples.weights[seen_from >= threshold].sum())

@@ -41,6 +41,10 @@ class Settings:
         Falling steps of moving one camera at a time under the exact area [rad]; empty for none.
     polish_evaluations : int
         Exact evaluations for that at most.
+    certificate_step : float
+        Step of the grid on which the best layout is proven [rad].
+    certificate_seconds : float
+        Time limit of the certificate [s].
     ring_cameras : int
         Equidistant cameras whose exact area is the ring maximum.
 
@@ -67,6 +71,8 @@ class Settings:
     distinct_tolerance: float = float(np.radians(1.0))
     polish_steps: tuple[float, ...] = (0.02, 0.01, 0.005)
     polish_evaluations: int = 24
+    certificate_step: float = float(np.radians(5.0))
+    certificate_seconds: float = 60.0
     ring_cameras: int = 360
 
     def __post_init__(self):
@@ -86,5 +92,9 @@ class Settings:
                     raise PlacementError(f"settings: {field.name} is {value!r}; it must be a whole number >= {bound}")
         if not (self.temperatures and min(self.temperatures) > 0):
             raise PlacementError(f"settings: temperatures are {self.temperatures!r}; at least one, all positive [rad]")
+        if not (0 < self.certificate_step <= np.pi / 2 and self.certificate_seconds > 0):
+            raise PlacementError(
+                "settings: certificate_step must be within (0, pi / 2] and certificate_seconds positive"
+            )
         if any(step <= 0 for step in self.polish_steps) or self.distinct_tolerance < 0:
             raise PlacementError("settings: polish_steps must be positive and distinct_tolerance not negative [rad]")
