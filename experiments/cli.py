@@ -148,7 +148,7 @@ def site(
 def main(arguments: list[str] | None = None) -> None:
     """Run `camring`; a request that cannot be met ends with one message and exit status 2."""
     try:
-        app(arguments)
+        app(arguments, prog_name="camring")
     except ValueError as error:
         from experiments.refusals import is_refusal
 

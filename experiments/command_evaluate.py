@@ -11,7 +11,7 @@ from experiments.files import output_folder, written_whole
 from experiments.inputs import exclusion, parse_angles, ring, subject
 from experiments.progress import progress_bar
 from experiments.terminal import table, terminal
-from meshes.fingerprint import fingerprint
+from meshes import fingerprint
 
 OUTPUTS = ("reconstructable.stl", "reconstructable.ply", "evaluation.json")
 

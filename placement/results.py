@@ -4,10 +4,9 @@ from dataclasses import dataclass, field
 from importlib.metadata import version
 
 import numpy as np
-import trimesh
 
 import exact
-from meshes import fingerprint as mesh_hash
+from meshes import fingerprint as mesh_hash  # noqa: F401 - for `optimise`
 from placement.certificate import Certificate
 from placement.constraints import Constraints
 from placement.settings import Settings

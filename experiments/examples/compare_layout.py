@@ -1,6 +1,6 @@
 """Compare a layout of your own with the equidistant one, camera by camera and as a whole.
 
-    python compare_layout.py circ_artery 10 95 170 280
+Run it as: python compare_layout.py circ_artery 10 95 170 280
 """
 
 import sys

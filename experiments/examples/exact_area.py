@@ -1,6 +1,6 @@
 """Call the exact evaluator from your own program: any cameras, any threshold, and the part they reconstruct.
 
-    python exact_area.py scan.stl seen.ply
+Run it as: python exact_area.py scan.stl seen.ply
 """
 
 import sys

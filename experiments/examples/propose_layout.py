@@ -1,6 +1,6 @@
 """Propose a ring layout for your own scan.
 
-    python propose_layout.py scan.stl 4
+Run it as: python propose_layout.py scan.stl 4
 """
 
 import sys

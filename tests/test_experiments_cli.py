@@ -1,0 +1,275 @@
+"""The command line: what it prints, what it writes, what it refuses."""
+
+import csv
+import json
+import re
+import struct
+
+import matplotlib.image
+import numpy as np
+import pytest
+import trimesh
+
+import exact
+import meshes
+from experiments.cli import main
+
+
+@pytest.fixture
+def camring(capsys):
+    """Run the command; give its exit status, what it printed, and what it said on stderr."""
+
+    def run(*arguments):
+        with pytest.raises(SystemExit) as end:
+            main([str(argument) for argument in arguments])
+        printed = capsys.readouterr()
+        return end.value.code or 0, printed.out, printed.err
+
+    return run
+
+
+@pytest.fixture(scope="module")
+def scan(tmp_path_factory):
+    """A file that is not built in, with a blank and a non-Latin letter in its name."""
+    step = trimesh.boolean.union(
+        [trimesh.creation.box((30, 30, 2)), trimesh.creation.box((4, 30, 20))], engine="manifold"
+    )
+    path = tmp_path_factory.mktemp("scans") / "my scán.stl"
+    step.export(path)
+    return path
+
+
+@pytest.fixture(scope="module")
+def optimised(tmp_path_factory, scan):
+    """The folder of one optimisation of the scan, for all tests that look at it."""
+    out = tmp_path_factory.mktemp("optimised")
+    with pytest.raises(SystemExit) as end:
+        main(["optimise", str(scan), "--cameras", "3", "--min-separation", "6", "--out", str(out)])
+    assert not end.value.code
+    return out
+
+
+def test_optimise_writes_layout_table_and_picture(optimised, scan):
+    content = json.loads((optimised / "layout.json").read_text(encoding="utf-8"))
+    mesh = meshes.load(scan)
+    ring = exact.Ring()
+    area = exact.evaluate(mesh, ring.cameras(content["angles_rad"]), threshold=2).area
+    assert content["areas_mm2"]["optimised"] == pytest.approx(area, rel=1e-12)
+    assert content["areas_mm2"]["optimised"] >= content["areas_mm2"]["best_equidistant"]
+    assert content["angles_deg"] == pytest.approx(np.degrees(content["angles_rad"]))
+    assert content["smallest_separation_mm"] >= 6
+    assert content["mesh"]["sha256"] == meshes.fingerprint(mesh)
+    assert {"seed", "settings", "constraints", "versions", "ring", "threshold"} <= set(content)
+    assert {"camring", "shapely", "jax", "optimistix"} <= set(content["versions"])
+
+    with (optimised / "layouts.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["layout"].split(",")[0] for row in rows] == ["equidistant", "equidistant", "optimised"]
+    assert float(rows[2]["area_mm2"]) == content["areas_mm2"]["optimised"]
+    assert float(rows[2]["gain_fraction"]) == pytest.approx(
+        (float(rows[2]["area_mm2"]) - float(rows[0]["area_mm2"])) / content["areas_mm2"]["ring_maximum"]
+    )
+    # 3 cameras 120 degrees apart subtend 2 asin(26 / 2 / 400.3) at the focus, more where the scan is nearer.
+    assert 3.7 < float(rows[0]["widest_triangulation_angle_deg"]) < 4.0
+
+    picture = matplotlib.image.imread(optimised / "coverage.png")
+    assert picture.shape[0] > 600
+    assert picture.shape[1] > 1200
+    assert len(np.unique((picture[..., :3] * 255).astype(int).reshape(-1, 3), axis=0)) > 50
+    assert sorted(file.name for file in optimised.iterdir()) == ["coverage.png", "layout.json", "layouts.csv"]
+
+
+def test_evaluate_a_layout_prints_and_writes_areas(camring, optimised, scan, tmp_path):
+    status, out, _ = camring("evaluate", scan, "--layout", optimised / "layout.json", "--out", tmp_path / "areas")
+    assert status == 0
+    content = json.loads((optimised / "layout.json").read_text(encoding="utf-8"))
+    assert f"reconstructable area: {content['areas_mm2']['optimised']:.4f} mm²" in out
+    written = json.loads((tmp_path / "areas" / "evaluation.json").read_text(encoding="utf-8"))
+    assert len(written["level_areas_mm2"]) == 2
+    assert len(written["camera_areas_mm2"]) == 3
+    assert written["level_areas_mm2"][0] >= max(written["camera_areas_mm2"])
+    for name in ("reconstructable.stl", "reconstructable.ply"):
+        part = trimesh.load_mesh(tmp_path / "areas" / name)
+        assert part.area == pytest.approx(written["area_mm2"], rel=1e-5)
+
+
+def test_evaluate_angles_equals_the_library(camring, scan):
+    status, out, _ = camring("evaluate", scan, "--angles-deg", "0,90,180", "--fov", "40x30", "--threshold", "3")
+    ring = exact.Ring(fov=(40, 30))
+    expected = exact.evaluate(meshes.load(scan), ring.cameras(np.radians([0, 90, 180])), threshold=3)
+    assert status == 0
+    assert f"reconstructable area: {expected.area:.4f} mm²" in out
+    for area in expected.level_areas:
+        assert f"{area:.4f}" in out
+
+
+def test_evaluate_excludes_listed_faces(camring, scan, tmp_path):
+    mesh = meshes.load(scan)
+    listed = np.flatnonzero(meshes.top_surface(mesh))
+    (tmp_path / "faces.txt").write_text("\n".join(map(str, listed)), encoding="utf-8")
+    by_list = camring("evaluate", scan, "--cameras", "4", "--exclude", tmp_path / "faces.txt")[1]
+    by_name = camring("evaluate", scan, "--cameras", "4", "--exclude", "top")[1]
+    assert by_list.splitlines()[-1] == by_name.splitlines()[-1]
+    assert by_name.splitlines()[-1] != camring("evaluate", scan, "--cameras", "4")[1].splitlines()[-1]
+
+
+def test_compare_scores_layouts_on_one_mesh(camring, optimised, scan, tmp_path):
+    content = json.loads((optimised / "layout.json").read_text(encoding="utf-8"))
+    by_hand = {key: content[key] for key in ("format", "version", "ring")} | {"angles_deg": [120, 240, 360]}
+    (tmp_path / "mine.json").write_text(json.dumps(by_hand), encoding="utf-8")
+    arguments = ("compare", tmp_path / "mine.json", optimised / "layout.json", "--mesh", scan)
+    status, out, _ = camring(*arguments, "--out", tmp_path / "compared")
+    assert status == 0
+    assert f"{content['areas_mm2']['equidistant']:.2f}" in out
+    assert f"{content['areas_mm2']['optimised']:.2f}" in out
+    assert (tmp_path / "compared" / "coverage.png").stat().st_size > 20_000
+    assert len((tmp_path / "compared" / "layouts.csv").read_text(encoding="utf-8").splitlines()) == 3
+
+
+def test_site_writes_what_the_library_builds(camring, tmp_path):
+    status, out, _ = camring("site", "circ_flat", "--depth", "100", "--out", tmp_path / "flat.stl")
+    assert status == 0
+    assert "circ_flat, depth 100 mm" in out
+    written = meshes.load(tmp_path / "flat.stl")
+    assert written.area == pytest.approx(meshes.site("circ_flat", depth=100).area, rel=1e-6)
+    listing = camring("site", "--list")[1]
+    assert all(name in listing for name in meshes.SITES)
+
+
+def test_nothing_is_replaced_without_force(camring, scan, tmp_path):
+    out = tmp_path / "flat.stl"
+    out.write_text("precious", encoding="utf-8")
+    status, _, err = camring("site", "circ_flat", "--out", out)
+    assert status == 2
+    assert "already holds flat.stl" in err
+    assert out.read_text(encoding="utf-8") == "precious"
+    assert camring("site", "circ_flat", "--out", out, "--force")[0] == 0
+    assert camring("evaluate", scan, "--cameras", "2", "--out", tmp_path / "a")[0] == 0
+    status, _, err = camring("evaluate", scan, "--cameras", "2", "--out", tmp_path / "a")
+    assert status == 2
+    assert "--force" in err
+
+
+def write_far_away(folder):
+    trimesh.creation.box((5, 5, 5)).apply_translation((900, 0, 0)).export(folder / "far.stl")
+    return folder / "far.stl"
+
+
+def write_layout(folder, **changes):
+    content = {
+        "format": "camring layout",
+        "version": 1,
+        "ring": {"diameter_mm": 30, "working_distance_mm": 400, "fov_mm": [36, 24]},
+        "angles_deg": [0, 180],
+    }
+    path = folder / "layout.json"
+    path.write_text(json.dumps({k: v for k, v in {**content, **changes}.items() if v is not None}), encoding="utf-8")
+    return path
+
+
+REFUSED = {
+    "missing file": (lambda d: ("evaluate", d / "no.stl", "--cameras", 2), r"no\.stl.*no such file"),
+    "no such site": (lambda d: ("optimise", "circ_round"), r"circ_round: neither a file nor a built-in site"),
+    "not a mesh": (lambda d: ("evaluate", text(d, "not.stl", "words, no mesh\n"), "--cameras", 2), r"not\.stl"),
+    "empty mesh": (lambda d: ("optimise", empty(d)), r"empty\.stl.*(no|zero|0) (faces|triangles)"),
+    "no cameras": (lambda d: ("optimise", "circ_flat", "--cameras", 0), r"(cameras|n_cameras) is 0.*at least 1"),
+    "no cameras to evaluate": (lambda d: ("evaluate", "circ_flat", "--cameras", 0), r"cameras is 0.*at least 1"),
+    "T over M": (lambda d: ("optimise", "circ_flat", "--cameras", 2, "--threshold", 3), r"threshold is 3.*2 cameras"),
+    "T over M to evaluate": (
+        lambda d: ("evaluate", "circ_flat", "--cameras", 2, "--threshold", 3),
+        r"threshold is 3 with 2 cameras",
+    ),
+    "too many cameras": (
+        lambda d: ("optimise", "circ_flat", "--cameras", 12, "--min-separation", 10),
+        r"12 cameras at 10 mm need a ring of at least 38\.6\d* mm; this one takes 9",
+    ),
+    "unseen": (lambda d: ("optimise", write_far_away(d)), r"far\.stl|nothing|no camera"),
+    "unseen to evaluate": (
+        lambda d: ("evaluate", write_far_away(d), "--cameras", 2),
+        r"no camera sees any part of far",
+    ),
+    "field of view": (lambda d: ("evaluate", "circ_flat", "--cameras", 2, "--fov", "36"), r"--fov is '36'.*36x24"),
+    "negative field of view": (lambda d: ("evaluate", "circ_flat", "--cameras", 2, "--fov", "-3x5"), r"--fov is"),
+    "angles": (lambda d: ("evaluate", "circ_flat", "--angles-deg", "0,ninety"), r"--angles-deg is '0,ninety'"),
+    "angles nan": (lambda d: ("evaluate", "circ_flat", "--angles-deg", "0,nan"), r"every angle must be finite"),
+    "no layout at all": (lambda d: ("evaluate", "circ_flat"), r"exactly one way"),
+    "two layouts": (lambda d: ("evaluate", "circ_flat", "--cameras", 2, "--angles-deg", "1"), r"exactly one way"),
+    "ring": (lambda d: ("evaluate", "circ_flat", "--cameras", 2, "--diameter", -1), r"ring diameter is -1"),
+    "exclude": (lambda d: ("evaluate", "circ_flat", "--cameras", 2, "--exclude", "botom"), r"--exclude is 'botom'"),
+    "exclude index": (
+        lambda d: ("evaluate", "circ_flat", "--cameras", 2, "--exclude", text(d, "f.txt", "3\n999999\n")),
+        r"f\.txt holds '999999'; each line must be a face index",
+    ),
+    "depth of a file": (
+        lambda d: ("evaluate", write_far_away(d), "--cameras", 2, "--depth", 50),
+        r"--depth and --detail",
+    ),
+    "wrong depth": (lambda d: ("optimise", "circ_flat", "--depth", 7), r"circ_flat has no depth 7"),
+    "wrong detail": (lambda d: ("optimise", "circ_flat", "--detail", "huge"), r"no detail 'huge'"),
+    "output is a file": (
+        lambda d: ("optimise", "circ_flat", "--out", text(d, "taken", "x")),
+        r"taken is a file; give a folder with --out",
+    ),
+    "layout is no JSON": (
+        lambda d: ("evaluate", "circ_flat", "--layout", text(d, "a.json", "{")),
+        r"a\.json is not a layout file: it holds no valid JSON",
+    ),
+    "layout missing": (lambda d: ("evaluate", "circ_flat", "--layout", d / "a.json"), r"cannot read layout"),
+    "layout of something else": (
+        lambda d: ("evaluate", "circ_flat", "--layout", write_layout(d, format="x")),
+        r'"format" must be "camring layout"',
+    ),
+    "layout of a newer version": (
+        lambda d: ("evaluate", "circ_flat", "--layout", write_layout(d, version=9)),
+        r"layout version 9",
+    ),
+    "layout without angles": (
+        lambda d: ("evaluate", "circ_flat", "--layout", write_layout(d, angles_deg=None)),
+        r"gives no ring angles",
+    ),
+    "layout with words": (
+        lambda d: ("evaluate", "circ_flat", "--layout", write_layout(d, angles_deg=["a"])),
+        r'"angles_deg" must be a list',
+    ),
+    "layout without ring": (
+        lambda d: ("evaluate", "circ_flat", "--layout", write_layout(d, ring={})),
+        r'"ring" must give diameter_mm',
+    ),
+    "layout and ring": (
+        lambda d: ("evaluate", "circ_flat", "--layout", write_layout(d), "--diameter", 20),
+        r"a layout brings its own ring",
+    ),
+    "one layout to compare": (
+        lambda d: ("compare", write_layout(d), "--mesh", "circ_flat"),
+        r"1 layout is given; at least two",
+    ),
+    "site without a file": (lambda d: ("site", "circ_flat"), r"--out"),
+    "site format": (lambda d: ("site", "circ_flat", "--out", d / "a.step"), r"ending must be \.stl, \.ply or \.obj"),
+    "unknown site": (lambda d: ("site", "round", "--out", d / "a.stl"), r"there is no site 'round'"),
+    "unknown option": (lambda d: ("optimise", "circ_flat", "--camera", 3), r"No such option"),
+    "words for a number": (
+        lambda d: ("optimise", "circ_flat", "--cameras", "four"),
+        r"--cameras.*valid integer|'four' is not a valid int",
+    ),
+}
+
+
+def text(folder, name, words):
+    (folder / name).write_text(words, encoding="utf-8")
+    return folder / name
+
+
+def empty(folder):
+    (folder / "empty.stl").write_bytes(bytes(80) + struct.pack("<I", 0))
+    return folder / "empty.stl"
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_wrong_input_gets_one_clear_message(camring, tmp_path, monkeypatch, name):
+    monkeypatch.chdir(tmp_path)
+    make, message = REFUSED[name]
+    status, out, err = camring(*make(tmp_path))
+    assert status == 2
+    assert re.search(message, " ".join(err.split())), err
+    assert "Traceback" not in out + err
+    assert not list(tmp_path.rglob("layout*.csv"))
