@@ -10,6 +10,9 @@ from meshes.errors import MeshError
 # A face flatter than this part of its distance from the origin has a normal of rounding noise in float64.
 FLATNESS = 1e-12
 
+# Larger coordinates [mm] are damage, not length: 1000 km. Their products would overflow.
+LARGEST = 1e9
+
 
 def check(mesh: trimesh.Trimesh, repair: bool = False, name: str = "mesh") -> trimesh.Trimesh:
     """Return a mesh on which areas mean something, or say why this one is not.
@@ -69,12 +72,13 @@ def _check_not_empty(name: str, vertices: np.ndarray, faces: np.ndarray) -> None
 
 
 def _check_finite(name: str, vertices: np.ndarray, faces: np.ndarray) -> None:
-    bad = np.flatnonzero(~np.isfinite(vertices).all(axis=1))
+    bad = np.flatnonzero(~(np.abs(vertices) <= LARGEST).all(axis=1))  # written so that nan is bad
     bad = bad[np.isin(bad, faces)]  # a vertex no face uses does no harm
     if len(bad):
+        position = ", ".join(f"{coordinate:g}" for coordinate in vertices[bad[0]])
         raise MeshError(
-            f"{name}: vertex {bad[0]} is ({', '.join(f'{c:g}' for c in vertices[bad[0]])}), and {len(bad) - 1} more "
-            "are not finite; needed are finite coordinates [mm]. Correct or remove them"
+            f"{name}: vertex {bad[0]} is ({position}), and {len(bad) - 1} more are like it; needed are finite "
+            f"coordinates up to {LARGEST:g} mm. The file is damaged, or these vertices must be removed"
         )
 
 

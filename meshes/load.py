@@ -104,6 +104,12 @@ def _read_with_trimesh(path: Path, data: bytes, suffix: str) -> tuple[np.ndarray
     """Vertices (V, 3) and faces (F, 3) of an OBJ or PLY file, as trimesh reads it."""
     announced = _announced_by_ply(path, data) if suffix == ".ply" else {}
     options = {"skip_materials": True} if suffix == ".obj" else {}
+    if suffix == ".obj" and (
+        zero := re.search(rb"^f[ \t](?:.*[ \t])?0+(?:/\S*)?[ \t\r]*$|^f[ \t]+(?:.*[ \t])?0+[/ \t]", data, re.M)
+    ):
+        # trimesh takes vertex 0 for vertex 1.
+        line = data.count(b"\n", 0, zero.start()) + 1
+        raise MeshError(f"{path}: line {line} refers to vertex 0; OBJ files count from 1. Export the file again")
     try:
         with warnings.catch_warnings():
             # numpy only warns when it meets a word for a number, and returns the part before it.
@@ -115,7 +121,7 @@ def _read_with_trimesh(path: Path, data: bytes, suffix: str) -> tuple[np.ndarray
             f"{path}: not a readable {suffix[1:].upper()} file ({type(error).__name__}: {str(error)[:120]}). "
             "Open it in a mesh program and export it again"
         ) from error
-    vertices, faces = np.asarray(mesh.vertices, dtype=np.float64), np.asarray(mesh.faces, dtype=np.int64)
+    vertices, faces = np.asarray(mesh.vertices, dtype=np.float64), np.asarray(mesh.faces, dtype=np.int64).reshape(-1, 3)
     n_faces, n_vertices = len(faces), len(vertices)
     if n_faces < announced.get("face", 0) or (n_faces and n_vertices < announced.get("vertex", 0)):
         raise MeshError(
@@ -144,7 +150,9 @@ def _announced_by_ply(path: Path, data: bytes) -> dict[str, int]:
 
 def _merged(path: Path, vertices: np.ndarray, faces: np.ndarray) -> trimesh.Trimesh:
     """Build a bare mesh with coincident vertices merged."""
-    if len(faces) and vertices.shape[1:] != (3,):
+    if len(faces) == 0:
+        return trimesh.Trimesh(np.zeros((len(vertices), 3)), np.zeros((0, 3), dtype=np.int64), process=False)
+    if vertices.shape[1:] != (3,):
         raise MeshError(f"{path}: vertices have {vertices.shape[1]} coordinates; needed are three (x, y, z)")
     wrong = np.flatnonzero(((faces < 0) | (faces >= len(vertices))).any(axis=1))
     if len(wrong):
@@ -153,7 +161,13 @@ def _merged(path: Path, vertices: np.ndarray, faces: np.ndarray) -> trimesh.Trim
             f"{path}: face {wrong[0]} refers to vertices {corners}, but there are vertices 0 to "
             f"{len(vertices) - 1} only. The file is damaged; export it again"
         )
-    mesh = trimesh.Trimesh(vertices, faces, process=False)
-    if np.isfinite(vertices).all():  # else the check names the vertex by its number in the file
-        mesh.merge_vertices(merge_tex=True, merge_norm=True)
-    return trimesh.Trimesh(mesh.vertices, mesh.faces, process=False)
+    if not np.isfinite(vertices).all():  # the check shall name the vertex by its number in the file
+        return trimesh.Trimesh(vertices, faces, process=False)
+    # Exactly equal ones only, and not by trimesh, which counts in steps of 1e-8 that overflow for large numbers.
+    # Adding zero turns -0.0, which has other bytes, into 0.0.
+    rows = np.ascontiguousarray(vertices + 0.0).view(np.dtype((np.void, 24))).ravel()
+    _, first, inverse = np.unique(rows, return_index=True, return_inverse=True)
+    order = np.argsort(first)  # as in the file
+    number = np.empty_like(order)
+    number[order] = np.arange(len(order))
+    return trimesh.Trimesh(vertices[first[order]], number[inverse][faces], process=False)

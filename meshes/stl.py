@@ -41,7 +41,8 @@ def read_stl(path: Path, data: bytes) -> np.ndarray:
     # Size first, the word "solid" second: many programs start the header of a binary file with it.
     if needed == len(data):
         triangles = np.frombuffer(data, TRIANGLE, offset=HEADER_BYTES)
-        return triangles["corners"].astype(np.float64)
+        with np.errstate(invalid="ignore"):  # signalling nan; the check names its vertex
+            return triangles["corners"].astype(np.float64)
     if data.lstrip()[:5].lower() == b"solid" and b"\0" not in data:
         return _read_ascii(path, data)
     if announced is None:
