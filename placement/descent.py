@@ -16,6 +16,8 @@ from placement.soft_coverage import Baseline, soft_coverage
 # absolutely: far below what the samples resolve.
 STEP_TOLERANCE = 1e-4
 COVERAGE_TOLERANCE = 1e-7
+# The number of points is rounded up to a multiple of this.
+POINTS_PER_STEP = 1024
 # A start whose layout turned by less [rad] than this stood on a flat stretch and was not searched at all.
 FLAT_TOLERANCE = 1e-6
 
@@ -82,9 +84,11 @@ def descend(
     DescentEnd
         A failed start comes back as it was, marked.
     """
+    # Points without weight fill up to a round number: other sites and seeds then use what is already compiled.
+    spare = -len(weights) % POINTS_PER_STEP
     problem = _Problem(
-        jnp.asarray(signed_distance),
-        jnp.asarray(weights),
+        jnp.asarray(np.pad(signed_distance, ((0, 0), (0, spare)))),
+        jnp.asarray(np.pad(weights, (0, spare))),
         jnp.asarray(minimum_gap),
         None if baseline is None else Baseline(*(jnp.asarray(float(value)) for value in baseline)),
     )
