@@ -16,6 +16,8 @@ from exact.surface import prepare
 
 # Two workers by default: numpy and GEOS let threads run side by side, the Python between them does not.
 WORKERS = 2
+# Two cameras are "at least that far apart" if they fall short of it by rounding only.
+SAME_LENGTH = 1e-12
 
 
 def view(mesh: trimesh.Trimesh, camera: Camera) -> View:
@@ -136,7 +138,7 @@ def evaluate(
     far = None
     if min_baseline > 0:
         position = np.array([camera.position for camera in cameras])
-        far = np.linalg.norm(position[:, None] - position[None, :], axis=2) >= min_baseline
+        far = np.linalg.norm(position[:, None] - position[None, :], axis=2) >= min_baseline * (1 - SAME_LENGTH)
     demand = Demand(int(threshold), far)
     seen = tally(surface, cameras, demand, counted, int(workers), report, depth_order)
 

@@ -132,6 +132,12 @@ def prepare(mesh: trimesh.Trimesh) -> Surface:
     return surface
 
 
+def forget() -> None:
+    """Drop all remembered meshes, as a benchmark needs it."""
+    with _CACHE_LOCK:
+        _CACHE.clear()
+
+
 def _build(points: np.ndarray, faces: np.ndarray) -> Surface:
     if len(faces) == 0:
         raise ExactError("the mesh has no faces; at least one face with area is needed")

@@ -145,6 +145,24 @@ def site(
     command_site.run(name, depth, detail, listing, out, force)
 
 
+@app.command()
+def bench(
+    what: Annotated[str, typer.Argument(help="exact: the exact evaluator, its accuracy and speed")],
+    out: Out = Path("out"),
+    force: Force = False,
+) -> None:
+    """Measure how right and how fast camring is on this machine; takes minutes.
+
+    Example: camring bench exact --out out/
+    """
+    from experiments import bench_exact
+    from experiments.errors import InputError
+
+    if what != "exact":
+        raise InputError(f"there is no benchmark {what!r}; choose exact")
+    bench_exact.run(out, force)
+
+
 def main(arguments: list[str] | None = None) -> None:
     """Run `camring`; a request that cannot be met ends with one message and exit status 2."""
     try:
