@@ -100,8 +100,9 @@ def ellipsoid(points: np.ndarray, centre: np.ndarray, radii: np.ndarray) -> np.n
 
 def ripple(x: np.ndarray, y: np.ndarray, z: np.ndarray, wavelength: float, seed: int) -> np.ndarray:
     """Smooth, deterministic unevenness of mean 0 and amplitude about 1: a few plane waves in fixed directions."""
-    # An explicit bit generator: numpy promises that its stream never changes.
-    waves = np.random.Generator(np.random.PCG64(seed)).random((5, 4))
+    # Raw bits: numpy promises that the stream of a bit generator never changes, but not what it makes of it.
+    raw = np.random.PCG64(seed).random_raw(20).reshape(5, 4)
+    waves = (raw >> np.uint64(11)) * 2.0**-53  # uniform in [0, 1)
     total = np.zeros_like(x)
     for first, second, stretch, phase in waves:
         azimuth, polar = 2 * np.pi * first, np.arccos(2 * second - 1)

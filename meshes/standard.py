@@ -1,7 +1,7 @@
 """The standard files: what `meshes.site` must give, on every machine, for every site.
 
 After a change to a shape, `python -c "import meshes.standard as s; s.write_all()"` rebuilds them; say in the changelog
-that areas have moved.
+that areas have moved. They were built with manifold3d 3.5; another release may cut the same shape into other triangles.
 """
 
 import csv
