@@ -13,8 +13,9 @@ TOUCHING = 1e-12
 # Segments are lengthened by this part of the face so that they surely reach what they end on.
 OVERSHOOT = 1e-9
 # Faces are paired by their boxes seen along one direction. Walls stack up when seen along themselves, so a sample of
-# this many faces tells along which of four directions the fewest boxes overlap.
+# this many faces tells along which of four directions the fewest boxes overlap; the first that leaves few will do.
 _PROBES = 500
+_FEW = 60.0
 _OBLIQUE = np.linalg.qr(np.array([[1.0, 0.3, 0.2], [0.7, -1.0, 0.4], [0.9, 0.6, -1.1]]))[0]
 _FRAMES = (_OBLIQUE, np.eye(3), np.eye(3)[[2, 0, 1]], np.eye(3)[[1, 2, 0]])
 
@@ -88,10 +89,14 @@ def intersecting_faces(vertices: np.ndarray, faces: np.ndarray, normals: np.ndar
 
 def _close_pairs(vertices, faces, kept, margin):
     """Pairs of faces whose boxes meet and that share no edge, with the number of vertices they share (0 or 1)."""
-    low, high, tree, boxes = min(
-        (_boxes(vertices, faces[kept], axes, margin) for axes in _FRAMES),
-        key=lambda frame: len(frame[2].query(frame[3][:: 1 + len(kept) // _PROBES])[0]),
-    )
+    tried = []
+    for axes in _FRAMES:
+        frame = _boxes(vertices, faces[kept], axes, margin)
+        probes = frame[3][:: 1 + len(kept) // _PROBES]
+        tried.append((len(frame[2].query(probes)[0]) / len(probes), frame))
+        if tried[-1][0] <= _FEW:
+            break
+    low, high, tree, boxes = min(tried, key=lambda attempt: attempt[0])[1]
     one, two = tree.query(boxes)
     keep = one < two
     one, two = one[keep], two[keep]
