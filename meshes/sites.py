@@ -142,6 +142,8 @@ def site(name: str, depth: float = 50, detail: str = "coarse") -> trimesh.Trimes
         Height of the top surface above the focus [mm]; one of `SITES[name].depths`.
     detail : str
         Size of the mesh: "coarse", "middle" or "fine", about 4 000, 20 000 and 80 000 faces on the same shape.
+        Coarse unless asked for otherwise: those are the standard files, and an exact area takes time in proportion
+        to the faces. For pictures take "middle".
 
     Returns
     -------
