@@ -11,6 +11,7 @@ import numpy as np
 import trimesh
 
 from meshes.anatomy import Anatomy, Opening
+from meshes.check import check
 from meshes.errors import MeshError
 from meshes.further_anatomy import CEREBELLOPONTINE, EYE_ANTERIOR, GLIOBLASTOMA, SPINE_DISC
 from meshes.paper_anatomy import PAPER_ANATOMY
@@ -180,7 +181,8 @@ def site(name: str, depth: float = 50, detail: str = "coarse") -> trimesh.Trimes
 def _built(name: str, depth: float, detail: str) -> trimesh.Trimesh:
     spec = SITES[name]
     opening = spec.openings[spec.depths.index(depth)]
-    return carve(spec.anatomy, opening, depth, spec.block, _edge(spec, opening, depth, detail))
+    mesh = carve(spec.anatomy, opening, depth, spec.block, _edge(spec, opening, depth, detail))
+    return check(mesh, name=f"site {name}")
 
 
 def _edge(spec: Site, opening: Opening, depth: float, detail: str) -> float:
