@@ -5,13 +5,16 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-# Below this sine two planes count as parallel: coplanar faces overlap, they do not cut each other.
-PARALLEL = 1e-9
-# Distances below this part of the coordinates' scale count as touching. Touching faces are cut, which is harmless:
-# each piece is asked for itself. Faces that miss each other by less than rounding would leak otherwise.
-TOUCHING = 1e-12
-# Segments are lengthened by this part of the face so that they surely reach what they end on.
-OVERSHOOT = 1e-9
+# Two faces whose corners all lie nearer to the other's plane than this part of the coordinates' scale are in one plane.
+SAME_PLANE = 1e-9
+# A corner nearer to a plane than this part of the scale is on it. Far above rounding, since faces that miss each other
+# by rounding only would leave a gap in a curve of intersections, and far below `SAME_PLANE`.
+TOUCHING = 1e-13
+# Segments are lengthened by this part of the face so that they surely reach what they end on: the ends of segments
+# between nearly parallel faces are known to less than rounding. What reaches too far cuts nothing off.
+OVERSHOOT = 1e-6
+# Segments from a common vertex that are shorter than this part of the scale are that vertex itself, and rounding.
+SHORTEST = 1e-9
 # Faces are paired by their boxes seen along one direction. Walls stack up when seen along themselves, so a sample of
 # this many faces tells along which of four directions the fewest boxes overlap; the first that leaves few will do.
 _PROBES = 500
@@ -40,50 +43,86 @@ class Intersections:
     end: np.ndarray
 
 
-def intersecting_faces(vertices: np.ndarray, faces: np.ndarray, normals: np.ndarray) -> Intersections:
-    """All segments in which two faces of a mesh meet other than along a common edge.
+@dataclass(frozen=True, eq=False)
+class Planes:
+    """The plane of each face: normal . x = offset, with the origin in the middle of the mesh.
 
-    Parameters
+    Attributes
     ----------
-    vertices : (V, 3) float [mm]
+    vertices : (V, 3) float
+        Relative to their mean [mm].
     faces : (F, 3) int
-    normals : (F, 3) float
-        Unit normals, 0 for faces without area, which cut nothing.
+    normal : (F, 3) float
+        Unit normals, 0 for faces without area.
+    offset : (F,) float [mm]
+    scale : float
+        Greatest coordinate [mm].
     """
-    centred = vertices - vertices.mean(axis=0)
-    scale = np.abs(centred).max()
-    planes = _Planes(centred, faces, normals, (normals * centred[faces[:, 0]]).sum(axis=1), TOUCHING * scale)
-    a, b, shared = _close_pairs(centred, faces, np.flatnonzero(normals.any(axis=1)), TOUCHING * scale)
+
+    vertices: np.ndarray
+    faces: np.ndarray
+    normal: np.ndarray
+    offset: np.ndarray
+    scale: float
+
+    @classmethod
+    def of(cls, vertices: np.ndarray, faces: np.ndarray, normals: np.ndarray) -> "Planes":
+        """Planes of faces with these vertices (V, 3) [mm] and unit normals (F, 3)."""
+        centred = vertices - vertices.mean(axis=0)
+        offset = (normals * centred[faces[:, 0]]).sum(axis=1)
+        return cls(centred, faces, normals, offset, float(np.abs(centred).max()))
+
+    def distances(self, plane: np.ndarray, face: np.ndarray) -> np.ndarray:
+        """(N, 3) distance of the corners of `face` from the plane of another, 0 where they touch it [mm]."""
+        normal, columns = self.normal[plane], []
+        for k in range(3):
+            point = self.vertices[self.faces[face, k]]
+            distance = point[:, 0] * normal[:, 0] + point[:, 1] * normal[:, 1] + point[:, 2] * normal[:, 2]
+            columns.append(distance - self.offset[plane])
+        distance = np.stack(columns, axis=1)
+        return np.where(np.abs(distance) <= TOUCHING * self.scale, 0.0, distance)
+
+    def coincide(self, one: np.ndarray, two: np.ndarray) -> np.ndarray:
+        """(N,) whether two faces lie in the same plane, so that neither is in front of the other."""
+        farthest = np.maximum(np.abs(self.distances(one, two)), np.abs(self.distances(two, one))).max(axis=1)
+        return np.asarray(farthest <= SAME_PLANE * self.scale)
+
+    def straddled(self, plane: np.ndarray, face: np.ndarray, shared: np.ndarray) -> np.ndarray:
+        """(N,) whether `face` reaches to both sides of a plane, or touches it with a vertex they do not share."""
+        distance = self.distances(plane, face)
+        others = 3 - shared
+        return np.asarray(((distance > 0).sum(axis=1) < others) & ((distance < 0).sum(axis=1) < others))
+
+
+def intersecting_faces(planes: Planes) -> Intersections:
+    """All segments in which two faces of a mesh meet other than along a common edge or in a common plane."""
+    touching = TOUCHING * planes.scale
+    vertices, faces = planes.vertices, planes.faces
+    a, b, shared = _close_pairs(vertices, faces, np.flatnonzero(planes.normal.any(axis=1)), touching)
     for _ in range(2):  # each face must reach to both sides of the other's plane; few pairs are left for the second
         straddles = planes.straddled(b, a, shared)
         a, b, shared = b[straddles], a[straddles], shared[straddles]
+    flat = planes.coincide(a, b)
+    a, b, shared = a[~flat], b[~flat], shared[~flat]
     distance_a, distance_b = planes.distances(b, a), planes.distances(a, b)
-    normal_a, normal_b = planes.normal[a], planes.normal[b]
-    direction = np.cross(normal_a, normal_b)
-    sine = np.linalg.norm(direction, axis=1)
-    crossing = sine > PARALLEL
-    a, b, shared = a[crossing], b[crossing], shared[crossing]
-    distance_a, distance_b = distance_a[crossing], distance_b[crossing]
-    direction = direction[crossing] / sine[crossing, None]
-    origin = vertices[faces[a, 0]]
-    low_a, high_a = _interval(vertices[faces[a]] - origin[:, None], distance_a, direction)
-    low_b, high_b = _interval(vertices[faces[b]] - origin[:, None], distance_b, direction)
+    points_a, points_b = (
+        _side_crossings(vertices[faces[a]], distance_a),
+        _side_crossings(vertices[faces[b]], distance_b),
+    )
+    base, direction = _common_line(points_a, points_b)
+    (low_a, high_a), (low_b, high_b) = (_interval(points, base, direction) for points in (points_a, points_b))
     low, high = np.maximum(low_a, low_b), np.minimum(high_a, high_b)
-    base = _point_on_line(vertices[faces[a]] - origin[:, None], distance_a, direction)
     # Faces that share a vertex always touch there; only a segment that leads away from it cuts anything.
-    least = np.where(shared == 1, OVERSHOOT, -TOUCHING) * scale
-    meets = high - low >= least
-    a, b, origin, base, direction = a[meets], b[meets], origin[meets], base[meets], direction[meets]
-    start, end = (origin + base + t[meets, None] * direction for t in (low, high))
-    face = np.concatenate([a, b])
-    corners = vertices[faces[face]]
-    start, end = (_inner(corners, np.concatenate([point, point])) for point in (start, end))
+    meets = high - low >= np.where(shared == 1, SHORTEST * planes.scale, -touching)
+    meets &= np.isfinite(low) & np.isfinite(high)
+    a, b, base, direction, low, high = (part[meets] for part in (a, b, base, direction, low, high))
+    face, other = np.concatenate([a, b]), np.concatenate([b, a])
+    start, end = (_inner(vertices[faces[face]], np.tile(base + t[:, None] * direction, (2, 1))) for t in (low, high))
     along = end - start
     length = np.linalg.norm(along, axis=1, keepdims=True)
     # A mere touching point becomes a tiny segment, which cuts nothing off.
     extra = OVERSHOOT * np.divide(along, length, out=np.zeros_like(along), where=length > 0)
     order = np.argsort(face, kind="stable")
-    other = np.concatenate([b, a])
     return Intersections(face[order], other[order], (start - extra)[order], (end + extra)[order])
 
 
@@ -115,33 +154,6 @@ def _boxes(vertices, faces, axes, margin):
     return low, high, shapely.STRtree(boxes), boxes
 
 
-@dataclass(frozen=True, eq=False)
-class _Planes:
-    """The plane of each face: normal . x = offset."""
-
-    vertices: np.ndarray
-    faces: np.ndarray
-    normal: np.ndarray
-    offset: np.ndarray
-    touching: float
-
-    def distances(self, plane, face):
-        """(N, 3) distance of the corners of `face` from the plane of another, 0 where they touch it [mm]."""
-        normal, columns = self.normal[plane], []
-        for k in range(3):
-            point = self.vertices[self.faces[face, k]]
-            distance = point[:, 0] * normal[:, 0] + point[:, 1] * normal[:, 1] + point[:, 2] * normal[:, 2]
-            columns.append(distance - self.offset[plane])
-        distance = np.stack(columns, axis=1)
-        return np.where(np.abs(distance) <= self.touching, 0.0, distance)
-
-    def straddled(self, plane, face, shared):
-        """(N,) whether `face` reaches to both sides of a plane, or touches it with a vertex they do not share."""
-        distance = self.distances(plane, face)
-        others = 3 - shared
-        return ((distance > 0).sum(axis=1) < others) & ((distance < 0).sum(axis=1) < others)
-
-
 def _side_crossings(corner, distance):
     """(N, 3, 3) points where the sides of a triangle meet the other's plane, nan where a side does not."""
     after, next_distance = corner[:, [1, 2, 0]], distance[:, [1, 2, 0]]
@@ -150,20 +162,29 @@ def _side_crossings(corner, distance):
     return np.where(crosses[:, :, None], corner + t[:, :, None] * (after - corner), np.nan)
 
 
-def _interval(corner, distance, direction):
+def _common_line(points_a: np.ndarray, points_b: np.ndarray):
+    """A point of the line in which two faces meet, and its direction: the longer of the two faces' own chords.
+
+    Two nearly parallel planes leave the direction of their line to rounding; a chord does not.
+    """
+    points = np.concatenate([points_a, points_b], axis=1)
+    chords = np.stack([points[:, j] - points[:, i] for i, j in _SIDES], axis=1)
+    length = np.nan_to_num(np.linalg.norm(chords, axis=2), nan=-1.0)
+    longest, row = length.argmax(axis=1), np.arange(len(points))
+    base = points[row, np.array([i for i, _ in _SIDES])[longest]]
+    chord, size = chords[row, longest], length[row, longest][:, None]
+    return base, np.divide(chord, size, out=np.zeros_like(chord), where=size > 0)
+
+
+_SIDES = ((0, 1), (1, 2), (0, 2), (3, 4), (4, 5), (3, 5))
+
+
+def _interval(points: np.ndarray, base: np.ndarray, direction: np.ndarray):
     """Part of the common line inside a triangle, as least and greatest coordinate along `direction` [mm]."""
-    along = (_side_crossings(corner, distance) * direction[:, None]).sum(axis=2)
+    along = ((points - base[:, None]) * direction[:, None]).sum(axis=2)
     low = np.where(np.isnan(along), np.inf, along).min(axis=1)
     high = np.where(np.isnan(along), -np.inf, along).max(axis=1)
     return low, high
-
-
-def _point_on_line(corner, distance, direction):
-    """A point of the common line, with coordinate 0 along `direction`."""
-    points = _side_crossings(corner, distance)
-    which = np.argmax(~np.isnan(points[:, :, 0]), axis=1)
-    point = points[np.arange(len(points)), which]
-    return point - (point * direction).sum(axis=1, keepdims=True) * direction
 
 
 def _inner(corners, points):

@@ -7,8 +7,8 @@ import shapely
 
 from exact.projection import Image
 
-# Relative difference of depth below which two faces count as in the same place and neither hides the other.
-SAME_DEPTH = 1e-10
+# Two faces that differ less in depth (relatively) may be in the same plane, which is then looked into.
+SAME_DEPTH = 1e-7
 # An image triangle thinner than this part of its longest side is a line: it hides nothing and is not seen.
 THINNEST_IMAGE = 1e-14
 # Slack with which a point on the common edge of two faces belongs to both (in parts of the face).
@@ -95,12 +95,14 @@ class Screen:
             point, found = point[nearer], found[nearer]
             hidden = self._weights(found, x[point], y[point]).min(axis=1) >= -ON_EDGE
         else:
-            limit = inverse_depth * (1 + SAME_DEPTH)
-            near_enough = (self.nearest[found] > limit[point]) & (self.parent[found] != face[point])
+            near_enough = (self.nearest[found] > inverse_depth[point]) & (self.parent[found] != face[point])
             point, found = point[near_enough], found[near_enough]
             weight = self._weights(found, x[point], y[point])
-            plane = (weight * self.inverse_depth[found]).sum(axis=1)
-            hidden = (weight.min(axis=1) >= -ON_EDGE) & (plane > limit[point])
+            lead = (weight * self.inverse_depth[found]).sum(axis=1) / inverse_depth[point] - 1
+            hidden = (weight.min(axis=1) >= -ON_EDGE) & (lead > 0)
+            # Faces in one plane do not hide each other, whichever way rounding goes.
+            close = np.flatnonzero(hidden & (lead < SAME_DEPTH))
+            hidden[close] = ~image.surface.planes.coincide(self.parent[found[close]], face[point[close]])
         seen[point[hidden]] = False
         return seen
 

@@ -11,7 +11,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from exact.errors import ExactError
-from exact.intersections import Intersections, intersecting_faces
+from exact.intersections import Intersections, Planes, intersecting_faces
 
 # A face whose height is below this part of its longest edge has no normal that could be trusted: it counts as area 0.
 THINNEST_FACE = 1e-12
@@ -68,7 +68,12 @@ class Surface:
     @cached_property
     def intersections(self) -> Intersections:
         """The segments in which faces cut each other, in both faces' own coordinates."""
-        return intersecting_faces(self.vertices, self.faces, self.normals)
+        return intersecting_faces(self.planes)
+
+    @cached_property
+    def planes(self) -> Planes:
+        """The plane of each face."""
+        return Planes.of(self.vertices, self.faces, self.normals)
 
     @cached_property
     def solid(self) -> bool:
