@@ -6,12 +6,12 @@ and the next camera meets only what is left.
 """
 
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import as_completed
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 import shapely
+from loky import get_reusable_executor
 
 from exact.cameras import Camera
 from exact.clipping import cut_pieces, unite, whole_faces
@@ -22,8 +22,6 @@ from exact.surface import Surface
 # Cameras per block. Within a block no face is cut before all its cameras have been looked through, since most faces
 # are seen whole often enough and never need to be.
 BLOCK = 8
-# Cameras looked through at a time; faces that need no further view are not asked about again.
-LOOK_TOGETHER = 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,52 +126,80 @@ def tally(
     depth_order: str = "exact",
 ) -> Tally:
     """Count the views of every part of the `active` faces, (F,) bool, until it meets `demand`."""
+    active = active & (surface.areas > 0)
+    _ = surface.solid  # found once, not by every worker
+    if workers == 1 or active.sum() < workers:
+        return _tally(surface, cameras, demand, active, depth_order, report)
+    shares = _spatial_shares(surface, active, workers)
+    # Threads would wait for each other: most of the time goes into making and reading shapely's objects.
+    executor = get_reusable_executor(max_workers=workers)
+    futures = [executor.submit(_tally, surface, cameras, demand, share, depth_order) for share in shares]
+    for done, _ in enumerate(as_completed(futures)):
+        if report is not None:
+            report(len(cameras) * (done + 1) // workers - len(cameras) * done // workers)
+    found = [future.result() for future in futures]
+    return Tally(
+        np.any([part.whole_seen for part in found], axis=0),
+        np.any([part.is_cut for part in found], axis=0),
+        Pieces.joined([part.pieces for part in found]),
+        sum(part.n_repairs for part in found),
+    )
+
+
+def _spatial_shares(surface: Surface, active: np.ndarray, n: int) -> list[np.ndarray]:
+    """The `active` faces in `n` equal parts, side by side: each worker needs only what is in front of its own."""
+    index = np.flatnonzero(active)
+    centre = surface.vertices[surface.faces[index]].mean(axis=1)
+    widest = np.argmax(np.ptp(centre, axis=0))
+    shares = []
+    for part in np.array_split(index[np.argsort(centre[:, widest], kind="stable")], n):
+        share = np.zeros_like(active)
+        share[part] = True
+        shares.append(share)
+    return shares
+
+
+def _tally(
+    surface: Surface,
+    cameras: Sequence[Camera],
+    demand: Demand,
+    active: np.ndarray,
+    depth_order: str,
+    report: Callable[[int], object] | None = None,
+) -> Tally:
     n_faces, n_cameras = len(surface.faces), len(cameras)
     whole_seen = np.zeros((n_faces, n_cameras), dtype=bool)
     is_cut = np.zeros(n_faces, dtype=bool)
-    active = active & (surface.areas > 0)
     pieces = Pieces(np.zeros(0, dtype=int), np.zeros(0, dtype=object), np.zeros((0, n_cameras), dtype=bool))
     done = [pieces]
     n_repairs = 0
     coming = np.ones(n_cameras, dtype=bool)
-    _ = surface.intersections  # found once, before several threads ask for them
-    with ThreadPoolExecutor(max_workers=workers) as pool:
-        for block in np.split(spread_order(cameras), range(BLOCK, n_cameras, BLOCK)):
-            sights: list[Sight] = []
-            for together in np.split(block, range(LOOK_TOGETHER, len(block), LOOK_TOGETHER)):
-                found = pool.map(
-                    lambda i, asked=active: look(project(surface, cameras[i]), asked, depth_order), together
-                )
-                for i, sight in zip(together, found, strict=True):
-                    sights.append(sight)
-                    whole_seen[~is_cut, i] = sight.status[~is_cut] == WHOLE
-                active = active & (is_cut | ~demand.met(whole_seen))
-            coming[block] = False
-            n_repairs += sum(sight.n_repairs for sight in sights)
-            status = np.stack([sight.status for sight in sights], axis=1)
-            new = np.flatnonzero(active & ~is_cut & (status == CUT).any(axis=1))
-            pieces = Pieces.joined([pieces, Pieces(new, whole_faces(len(new)), whole_seen[new])])
-            is_cut[new] = True
-            whole_seen[new] = False
-            shares = [pieces.take(share) for share in _split_by_face(pieces.face, workers)]
-            refine = partial(_refine, sights=sights, status=status, block=block, demand=demand, coming=coming)
-            results = list(pool.map(refine, shares))
-            done += [result[0] for result in results]
-            pieces = Pieces.joined([result[1] for result in results])
-            n_repairs += sum(result[2] for result in results)
-            active = active & ~is_cut
-            active[pieces.face] = True
-            if report is not None:
-                report(len(block))
-            if not active.any():
-                break
+    for block in np.split(spread_order(cameras), range(BLOCK, n_cameras, BLOCK)):
+        sights: list[Sight] = []
+        for i in block:
+            sights.append(look(project(surface, cameras[i]), active, depth_order))
+            # Faces that need no further view are not asked about again.
+            whole = np.flatnonzero(active & ~is_cut)
+            whole_seen[whole, i] = sights[-1].status[whole] == WHOLE
+            active = active.copy()
+            active[whole] = ~demand.met(whole_seen[whole])
+        coming[block] = False
+        n_repairs += sum(sight.n_repairs for sight in sights)
+        status = np.stack([sight.status for sight in sights], axis=1)
+        new = np.flatnonzero(active & ~is_cut & (status == CUT).any(axis=1))
+        pieces = Pieces.joined([pieces, Pieces(new, whole_faces(len(new)), whole_seen[new])])
+        is_cut[new] = True
+        whole_seen[new] = False
+        finished, pieces, repairs = _refine(pieces, sights, status, block, demand, coming)
+        done.append(finished)
+        n_repairs += repairs
+        active = active & ~is_cut
+        active[pieces.face] = True
+        if report is not None:
+            report(len(block))
+        if not active.any():
+            break
     return Tally(whole_seen, is_cut, Pieces.joined([*done, pieces]), n_repairs)
-
-
-def _split_by_face(face: np.ndarray, n: int) -> list[np.ndarray]:
-    """Indices of `n` runs of about equal length of the ascending `face`, none of which divides a face."""
-    ends = np.searchsorted(face, face[np.arange(1, n) * len(face) // n]) if len(face) else []
-    return np.split(np.arange(len(face)), ends)
 
 
 def _refine(pieces: Pieces, sights: list[Sight], status, block: np.ndarray, demand: Demand, coming: np.ndarray):

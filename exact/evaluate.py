@@ -14,8 +14,6 @@ from exact.projection import image_polygons
 from exact.results import Reconstruction, View
 from exact.surface import prepare
 
-# Two workers by default: numpy and GEOS let threads run side by side, the Python between them does not.
-WORKERS = 2
 # Two cameras are "at least that far apart" if they fall short of it by rounding only.
 SAME_LENGTH = 1e-12
 
@@ -69,7 +67,7 @@ def evaluate(
     min_baseline: float = 0.0,
     depth_order: str = "exact",
     weights: np.ndarray | None = None,
-    workers: int = WORKERS,
+    workers: int = 1,
     report: Callable[[int], object] | None = None,
 ) -> Reconstruction:
     """Area of `mesh` that at least `threshold` of the `cameras` see, exact up to float64 rounding.
@@ -96,7 +94,8 @@ def evaluate(
     weights : (F,) float array, optional
         Factor by which the area of each face counts, at least 0.
     workers : int
-        Number of threads. The result does not depend on it.
+        Number of processes to share the work, which pays for many cameras or faces; the first call that needs them
+        takes a moment to start them. The result does not depend on it.
     report : callable, optional
         Called with the number of further cameras done, from time to time; for progress bars.
 

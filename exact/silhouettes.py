@@ -6,7 +6,7 @@ import numpy as np
 import shapely
 
 from exact.projection import NEAR, Image
-from exact.screen import SAME_DEPTH, Screen, barycentric, hides, seen_from_outside
+from exact.screen import SAME_DEPTH, Screen, barycentric, greatest, hides, least, seen_from_outside
 
 # Segments are followed this far beyond a face (in parts of the face), so that they surely reach its outline.
 MARGIN = 1e-7
@@ -24,11 +24,15 @@ class Cuts:
 
     @staticmethod
     def joined(parts: list["Cuts"]) -> "Cuts":
-        """All segments of several sets, by ascending face."""
+        """All segments of several sets, by ascending face and then by their ends.
+
+        So the order in which they were found makes no difference, not even in the last bit of an area.
+        """
         face = np.concatenate([part.face for part in parts])
-        order = np.argsort(face, kind="stable")
-        start, end = (np.concatenate([getattr(part, which) for part in parts])[order] for which in ("start", "end"))
-        return Cuts(face[order], start, end)
+        start = np.concatenate([part.start for part in parts])
+        end = np.concatenate([part.end for part in parts])
+        order = np.lexsort((end[:, 1], end[:, 0], start[:, 1], start[:, 0], face))
+        return Cuts(face[order], start[order], end[order])
 
     def of_faces(self, chosen: np.ndarray) -> "Cuts":
         """The segments of the `chosen` faces, (F,) bool."""
@@ -67,10 +71,8 @@ def crossings(screen: Screen, asked: np.ndarray) -> Cuts:
         )
         for k in (0, 1)
     )
-    boxes = shapely.box(
-        np.minimum(start.x, end.x), np.minimum(start.y, end.y), np.maximum(start.x, end.x), np.maximum(start.y, end.y)
-    )
-    segment, found = screen.tree.query(boxes)
+    segments = shapely.linestrings(np.stack([start.x, end.x], axis=1), np.stack([start.y, end.y], axis=1))
+    segment, found = screen.tree.query(segments)
     nearest = np.maximum(start.inverse_depth, end.inverse_depth) * (1 + SAME_DEPTH)
     keep = asked[found]
     if screen.face_distance is None:
@@ -133,8 +135,8 @@ def _clip(screen: Screen, found: np.ndarray, start: _Ends, end: _Ends) -> Cuts:
     # Liang and Barsky: the segment's parameter runs from `enter` to `leave` over the (slightly enlarged) triangle.
     a, b = at_start + MARGIN, at_end + MARGIN
     t = np.divide(a, a - b, out=np.zeros_like(a), where=(a < 0) != (b < 0))
-    enter = np.where(a < 0, t, 0.0).max(axis=1)
-    leave = np.where(b < 0, t, 1.0).min(axis=1)
+    enter = greatest(np.where(a < 0, t, 0.0))
+    leave = least(np.where(b < 0, t, 1.0))
     over = np.flatnonzero((enter <= leave) & ~((a < 0) & (b < 0)).any(axis=1))
     found, at_start, at_end, enter, leave = found[over], at_start[over], at_end[over], enter[over], leave[over]
     start, end = start.take(over), end.take(over)
