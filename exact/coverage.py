@@ -16,12 +16,14 @@ from loky import get_reusable_executor
 from exact.cameras import Camera
 from exact.clipping import cut_pieces, unite, whole_faces
 from exact.occlusion import CUT, WHOLE, Sight, look
-from exact.projection import project
+from exact.projection import NEAR, project
 from exact.surface import Surface
 
 # Cameras per block. Within a block no face is cut before all its cameras have been looked through, since most faces
 # are seen whole often enough and never need to be.
 BLOCK = 8
+# Sectors of the image that each worker gets.
+SECTORS = 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,7 +132,7 @@ def tally(
     _ = surface.solid  # found once, not by every worker
     if workers == 1 or active.sum() < workers:
         return _tally(surface, cameras, demand, active, depth_order, report)
-    shares = _spatial_shares(surface, active, workers)
+    shares = _shares(surface, cameras[0], active, workers)
     # Threads would wait for each other: most of the time goes into making and reading shapely's objects.
     executor = get_reusable_executor(max_workers=workers)
     futures = [executor.submit(_tally, surface, cameras, demand, share, depth_order) for share in shares]
@@ -146,15 +148,22 @@ def tally(
     )
 
 
-def _spatial_shares(surface: Surface, active: np.ndarray, n: int) -> list[np.ndarray]:
-    """The `active` faces in `n` equal parts, side by side: each worker needs only what is in front of its own."""
+def _shares(surface: Surface, camera: Camera, active: np.ndarray, n: int) -> list[np.ndarray]:
+    """The `active` faces in `n` parts of about equal work: sectors of one camera's image, dealt out in turn.
+
+    What is hard to see lies together, so that a part in one piece would often have most of the work; but the narrower
+    the sectors, the more of what is in front of them is needed by several workers.
+    """
     index = np.flatnonzero(active)
-    centre = surface.vertices[surface.faces[index]].mean(axis=1)
-    widest = np.argmax(np.ptp(centre, axis=0))
+    local = (surface.vertices[surface.faces[index]].mean(axis=1) - camera.position) @ camera.rotation.T
+    image = local[:, :2] / np.maximum(np.abs(local[:, 2:]), NEAR * camera.target_distance)
+    away = image - np.median(image, axis=0)
+    index = index[np.argsort(np.arctan2(away[:, 1], away[:, 0]), kind="stable")]
+    sectors = np.array_split(index, SECTORS * n)
     shares = []
-    for part in np.array_split(index[np.argsort(centre[:, widest], kind="stable")], n):
+    for first in range(n):
         share = np.zeros_like(active)
-        share[part] = True
+        share[np.concatenate(sectors[first::n])] = True
         shares.append(share)
     return shares
 

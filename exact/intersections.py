@@ -49,8 +49,10 @@ class Planes:
 
     Attributes
     ----------
+    centre : (3,) float
+        Mean of the vertices [mm].
     vertices : (V, 3) float
-        Relative to their mean [mm].
+        Relative to the centre [mm].
     faces : (F, 3) int
     normal : (F, 3) float
         Unit normals, 0 for faces without area.
@@ -59,6 +61,7 @@ class Planes:
         Greatest coordinate [mm].
     """
 
+    centre: np.ndarray
     vertices: np.ndarray
     faces: np.ndarray
     normal: np.ndarray
@@ -68,9 +71,10 @@ class Planes:
     @classmethod
     def of(cls, vertices: np.ndarray, faces: np.ndarray, normals: np.ndarray) -> "Planes":
         """Planes of faces with these vertices (V, 3) [mm] and unit normals (F, 3)."""
-        centred = vertices - vertices.mean(axis=0)
+        centre = vertices.mean(axis=0)
+        centred = vertices - centre
         offset = (normals * centred[faces[:, 0]]).sum(axis=1)
-        return cls(centred, faces, normals, offset, float(np.abs(centred).max()))
+        return cls(centre, centred, faces, normals, offset, float(np.abs(centred).max()))
 
     def distances(self, plane: np.ndarray, face: np.ndarray) -> np.ndarray:
         """(N, 3) distance of the corners of `face` from the plane of another, 0 where they touch it [mm]."""

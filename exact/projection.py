@@ -70,13 +70,16 @@ def project(surface: Surface, camera: Camera) -> Image:
     ahead = local[:, 2] > near
     faces = surface.faces
     front = _front(surface, camera)
-    n_ahead = ahead[faces].sum(axis=1)
     proper = surface.areas > 0
-    parent = np.flatnonzero((n_ahead == 3) & proper)
+    if ahead.all():
+        in_front, cut = proper, np.zeros(0, dtype=int)
+    else:
+        n_ahead = ahead[faces].sum(axis=1)
+        in_front, cut = proper & (n_ahead == 3), np.flatnonzero(proper & (n_ahead > 0) & (n_ahead < 3))
+    parent = np.flatnonzero(in_front)
     whole = np.full(len(faces), -1)
     whole[parent] = np.arange(len(parent))
     corners, is_part, frame = faces[parent], np.zeros(len(parent), dtype=bool), None
-    cut = np.flatnonzero((n_ahead > 0) & (n_ahead < 3) & proper)
     if len(cut):
         points, part_corners, part_parent, part_frame = _clip_near(local, faces, cut, ahead, near)
         corners = np.concatenate([corners, part_corners + len(local)])
@@ -107,9 +110,10 @@ _UNIT_FRAME = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
 
 def _front(surface: Surface, camera: Camera) -> np.ndarray:
     """(F,) whether the camera is on the outer side of each face's plane."""
-    away = camera.position - surface.vertices[surface.faces[:, 0]]
-    height = (surface.normals * away).sum(axis=1)
-    return height > EDGE_ON * np.sqrt((away * away).sum(axis=1))
+    planes = surface.planes
+    away = camera.position - planes.centre
+    height = planes.normal @ away - planes.offset
+    return height > EDGE_ON * (np.linalg.norm(away) + planes.scale)
 
 
 def _clip_near(local: np.ndarray, faces: np.ndarray, cut: np.ndarray, ahead: np.ndarray, near: float):

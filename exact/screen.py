@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-import shapely
 
 from exact.projection import Image
 
@@ -14,7 +13,9 @@ THINNEST_IMAGE = 1e-14
 # Slack with which a point on the common edge of two faces belongs to both (in parts of the face).
 ON_EDGE = 1e-12
 # Cells along either side of the grid that finds what is near the active faces.
-CELLS = 256
+CELLS = 128
+# A window narrower than this (in image coordinates of order 1) is one cell wide.
+NARROWEST_WINDOW = 1e-15
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,8 +33,10 @@ class Screen:
         Their corners.
     nearest, farthest : (N,) float
         Greatest and least 1/depth of each.
-    tree : shapely.STRtree
-        Of their boxes.
+    cells : (4, N) int
+        Left, low, right and high cell of `grid` that the box of each triangle reaches.
+    grid : Grid
+        Over the part of the field of view where something is asked about.
     face_distance : (F,) float or None
         Distance of each face's nearest vertex from the camera [mm], if the nearer face by this distance is to hide
         the other wherever they overlap; None to compare depths at the point itself.
@@ -47,7 +50,8 @@ class Screen:
     inverse_depth: np.ndarray
     nearest: np.ndarray
     farthest: np.ndarray
-    tree: shapely.STRtree
+    cells: np.ndarray
+    grid: "Grid"
     face_distance: np.ndarray | None
 
     @classmethod
@@ -56,28 +60,27 @@ class Screen:
         candidate = np.flatnonzero(hides(image)[image.parent])
         corner = image.corners[candidate]
         x, y = image.x[corner], image.y[corner]
-        box = least(x), least(y), greatest(x), greatest(y)
-        inside = _near(box, (active & image.front)[image.parent[candidate]], image.camera.half_extent)
-        candidate, corner, x, y = candidate[inside], corner[inside], x[inside], y[inside]
-        box = tuple(side[inside] for side in box)
+        box = np.stack([least(x), least(y), greatest(x), greatest(y)])
+        half_x, half_y = image.camera.half_extent
+        inside = (box[0] <= half_x) & (box[1] <= half_y) & (box[2] >= -half_x) & (box[3] >= -half_y)
+        asked = inside & (active & image.front)[image.parent[candidate]]
+        grid = Grid.over(box[:, asked], image.camera.half_extent)
+        cells = grid.cells_of(box)
+        # Late in a long row of cameras few faces are active, and most of what could hide has nothing left to hide.
+        inside &= grid.meets(grid.marked(cells[:, asked]), cells) & (grid.meets_window(box))
         side_x, side_y = x[:, 1:] - x[:, :1], y[:, 1:] - y[:, :1]
         twice_area = np.abs(side_x[:, 0] * side_y[:, 1] - side_y[:, 0] * side_x[:, 1])
         longest = np.maximum(box[2] - box[0], box[3] - box[1])
-        solid = twice_area > THINNEST_IMAGE * longest**2
-        triangle = candidate[solid]
-        inverse_depth = image.inverse_depth[corner[solid]]
-        # A diagonal has the box's envelope, which is all the tree looks at, and is made in less time than the box.
-        left, low, right, high = (side[solid] for side in box)
-        diagonals = shapely.linestrings(np.stack([left, right], axis=1), np.stack([low, high], axis=1))
-        tree = shapely.STRtree(np.asarray(diagonals))
+        kept = inside & (twice_area > THINNEST_IMAGE * longest**2)
+        triangle, inverse_depth = candidate[kept], image.inverse_depth[corner[kept]]
         face_distance = None
         if depth_order == "vertex":
             surface = image.surface
             distance = np.linalg.norm(surface.vertices - image.camera.position, axis=1)
             face_distance = distance[surface.faces].min(axis=1)
         return cls(
-            image, triangle, image.parent[triangle], x[solid], y[solid], inverse_depth,
-            greatest(inverse_depth), least(inverse_depth), tree, face_distance,
+            image, triangle, image.parent[triangle], x[kept], y[kept], inverse_depth,
+            greatest(inverse_depth), least(inverse_depth), cells[:, kept], grid, face_distance,
         )  # fmt: skip
 
     def sees(self, face: np.ndarray, inner: np.ndarray) -> np.ndarray:
@@ -91,7 +94,7 @@ class Screen:
         half_x, half_y = image.camera.half_extent
         seen = ahead & image.front[face] & (np.abs(x) <= half_x) & (np.abs(y) <= half_y)
         asked = np.flatnonzero(seen)
-        point, found = self.tree.query(shapely.points(x[asked], y[asked]))
+        point, found = self._boxes_around(x[asked], y[asked])
         point = asked[point]
         if self.face_distance is not None:
             nearer = self.face_distance[self.parent[found]] < self.face_distance[face[point]]
@@ -109,35 +112,84 @@ class Screen:
         seen[point[hidden]] = False
         return seen
 
+    def _boxes_around(self, x: np.ndarray, y: np.ndarray):
+        """Pairs of a point and a triangle whose box may contain it."""
+        column, row = self.grid.cell(x, 0), self.grid.cell(y, 1)
+        key = column * CELLS + row
+        order = np.argsort(key, kind="stable")
+        key = key[order]
+        marks = np.zeros((CELLS, CELLS), dtype=bool)
+        marks[column, row] = True
+        triangle = np.flatnonzero(self.grid.meets(marks, self.cells))
+        left, low, right, high = self.cells[:, triangle]
+        # The points in one column of a triangle's cells follow each other.
+        width = right - left + 1
+        which = np.repeat(np.arange(len(triangle)), width)
+        column = left[which] + _counting(width)
+        first = np.searchsorted(key, column * CELLS + low[which], "left")
+        count = np.searchsorted(key, column * CELLS + high[which], "right") - first
+        return order[np.repeat(first, count) + _counting(count)], triangle[np.repeat(which, count)]
+
     def _weights(self, found: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         return barycentric(self.x[found], self.y[found], x, y)
 
 
-def _near(box: tuple, active: np.ndarray, half_extent: np.ndarray) -> np.ndarray:
-    """Which boxes (left, low, right, high, each (N,)) meet the field of view and a cell that an active one meets.
+@dataclass(frozen=True, eq=False)
+class Grid:
+    """`CELLS` x `CELLS` cells over a window of the image, to find boxes and points that are near each other.
 
-    The cells are those of a coarse grid over the field of view. Late in a long row of cameras few faces are active,
-    and most of what could hide something has nothing left to hide.
+    Attributes
+    ----------
+    low, high : (2,) float
+        Corners of the window.
     """
-    cell = [
-        np.floor((side + half_extent[k % 2]) / (2 * half_extent[k % 2]) * CELLS).clip(-1, CELLS).astype(int)
-        for k, side in enumerate(box)
-    ]
-    inside = (cell[2] >= 0) & (cell[3] >= 0) & (cell[0] <= CELLS) & (cell[1] <= CELLS)
-    inside &= (box[0] <= half_extent[0]) & (box[1] <= half_extent[1])
-    left, low, right, high = (side.clip(0, CELLS - 1) for side in cell)
-    asked = active & inside
-    # Mark all cells of each active box by its corners, sum up to have the marks, sum again to count them in any box.
-    marks = np.zeros((CELLS + 1, CELLS + 1), dtype=int)
-    np.add.at(marks, (left[asked], low[asked]), 1)
-    np.add.at(marks, (right[asked] + 1, low[asked]), -1)
-    np.add.at(marks, (left[asked], high[asked] + 1), -1)
-    np.add.at(marks, (right[asked] + 1, high[asked] + 1), 1)
-    marked = marks.cumsum(axis=0).cumsum(axis=1)[:CELLS, :CELLS] > 0
-    count = np.zeros((CELLS + 1, CELLS + 1), dtype=int)
-    count[1:, 1:] = marked.cumsum(axis=0).cumsum(axis=1)
-    met = count[right + 1, high + 1] - count[left, high + 1] - count[right + 1, low] + count[left, low]
-    return inside & (met > 0)
+
+    low: np.ndarray
+    high: np.ndarray
+
+    @classmethod
+    def over(cls, box: np.ndarray, half_extent: np.ndarray) -> "Grid":
+        """The grid over all boxes (left, low, right, high; (4, N)), as far as they lie in the field of view."""
+        if box.shape[1] == 0:
+            return cls(np.zeros(2), np.zeros(2))
+        return cls(np.maximum(box[:2].min(axis=1), -half_extent), np.minimum(box[2:].max(axis=1), half_extent))
+
+    def cell(self, coordinate: np.ndarray, axis: int) -> np.ndarray:
+        """Column (axis 0) or row (axis 1) of the cell that holds each coordinate; the outer cells reach outwards."""
+        size = self.high[axis] - self.low[axis]
+        scale = CELLS / size if size > NARROWEST_WINDOW else 0.0
+        return np.clip((coordinate - self.low[axis]) * scale, 0, CELLS - 1).astype(np.int64)
+
+    def cells_of(self, box: np.ndarray) -> np.ndarray:
+        """(4, N) cells that boxes (4, N) reach: left, low, right, high."""
+        return np.stack([self.cell(side, k % 2) for k, side in enumerate(box)])
+
+    def meets_window(self, box: np.ndarray) -> np.ndarray:
+        """(N,) whether boxes (4, N) meet the window."""
+        return np.all((box[:2] <= self.high[:, None]) & (box[2:] >= self.low[:, None]), axis=0)
+
+    def marked(self, cells: np.ndarray) -> np.ndarray:
+        """(CELLS, CELLS) bool: the cells that some box reaches."""
+        left, low, right, high = cells
+        # Marks at the corners of each box, summed up along both axes, are the number of boxes over each cell.
+        corners = np.zeros((CELLS + 1, CELLS + 1), dtype=np.int32)
+        np.add.at(corners, (left, low), 1)
+        np.add.at(corners, (right + 1, low), -1)
+        np.add.at(corners, (left, high + 1), -1)
+        np.add.at(corners, (right + 1, high + 1), 1)
+        return corners.cumsum(axis=0).cumsum(axis=1)[:CELLS, :CELLS] > 0
+
+    def meets(self, marks: np.ndarray, cells: np.ndarray) -> np.ndarray:
+        """(N,) whether boxes that reach these `cells` (4, N) reach one of the marked ones."""
+        left, low, right, high = cells
+        total = np.zeros((CELLS + 1, CELLS + 1), dtype=np.int32)
+        total[1:, 1:] = marks.cumsum(axis=0, dtype=np.int32).cumsum(axis=1)
+        return total[right + 1, high + 1] - total[left, high + 1] - total[right + 1, low] + total[left, low] > 0
+
+
+def _counting(count: np.ndarray) -> np.ndarray:
+    """0, 1, .. count[0] - 1, 0, 1, .. count[1] - 1, and so on."""
+    return np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
 
 
 def seen_from_outside(image: Image) -> bool:

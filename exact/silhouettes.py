@@ -71,13 +71,16 @@ def crossings(screen: Screen, asked: np.ndarray) -> Cuts:
         )
         for k in (0, 1)
     )
-    segments = shapely.linestrings(np.stack([start.x, end.x], axis=1), np.stack([start.y, end.y], axis=1))
-    segment, found = screen.tree.query(segments)
+    # A diagonal has the envelope of the triangle's box, which is all the tree looks at.
+    index = np.flatnonzero(asked)
+    box = [edge(part[index]) for edge in (least, greatest) for part in (screen.x, screen.y)]
+    tree = shapely.STRtree(_lines(*box))
+    segment, found = tree.query(_lines(start.x, start.y, end.x, end.y))
+    found = index[found]
     nearest = np.maximum(start.inverse_depth, end.inverse_depth) * (1 + SAME_DEPTH)
-    keep = asked[found]
     if screen.face_distance is None:
-        keep &= nearest[segment] >= screen.farthest[found]
-    segment, found = segment[keep], found[keep]
+        keep = nearest[segment] >= screen.farthest[found]
+        segment, found = segment[keep], found[keep]
     keep = _line_meets(screen, found, start.take(segment), end.take(segment))
     segment, found = segment[keep], found[keep]
     cuts = _clip(screen, found, start.take(segment), end.take(segment))
@@ -87,6 +90,10 @@ def crossings(screen: Screen, asked: np.ndarray) -> Cuts:
     part = screen.triangle[asked & image.is_part[screen.triangle]]
     frame, owner = image.frame[part], image.parent[part]
     return Cuts.joined([cuts, *(Cuts(owner, frame[:, i], frame[:, j]) for i, j in ((0, 1), (1, 2), (2, 0)))])
+
+
+def _lines(x0: np.ndarray, y0: np.ndarray, x1: np.ndarray, y1: np.ndarray) -> np.ndarray:
+    return np.asarray(shapely.linestrings(np.stack([x0, x1], axis=1), np.stack([y0, y1], axis=1)))
 
 
 def _silhouettes(image: Image) -> np.ndarray:

@@ -146,7 +146,7 @@ def test_fewer_levels_asked_for_are_the_same(name, seed):
     _, mesh, cameras = request(seed, name, n_cameras=9)  # more than one block
     all_levels = exact.evaluate(mesh, cameras, threshold=9).level_areas
     for threshold in (1, 2, 3, 8):
-        result = exact.evaluate(mesh, cameras, threshold=threshold, workers=threshold)
+        result = exact.evaluate(mesh, cameras, threshold=threshold)
         assert close(result.level_areas, all_levels[:threshold], mesh)
 
 
