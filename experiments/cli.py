@@ -52,6 +52,7 @@ def optimise(
     working_distance: Distance = 400.0,
     exclude: Exclude = None,
     seed: Annotated[int, typer.Option(help="of the search; the same seed gives the same layout")] = 0,
+    certify: Annotated[bool, typer.Option(help="bound what any layout could reconstruct")] = True,
     depth: Depth = None,
     detail: Detail = None,
     repair: Repair = False,
@@ -67,8 +68,8 @@ def optimise(
     from experiments import command_optimise
 
     command_optimise.run(
-        mesh, cameras, threshold, min_separation, fov, diameter, working_distance, exclude, seed, depth, detail,
-        repair, out, force,
+        mesh, cameras, threshold, min_separation, fov, diameter, working_distance, exclude, seed, certify, depth,
+        detail, repair, out, force,
     )  # fmt: skip
 
 

@@ -26,6 +26,7 @@ def run(
     working_distance: float,
     exclude: str | None,
     seed: int,
+    certify: bool,
     depth: float | None,
     detail: str | None,
     repair: bool,
@@ -40,7 +41,15 @@ def run(
     output_folder(out, OUTPUTS, force)
     with progress_stages() as progress:
         result = placement.optimise(
-            about.mesh, rig, n_cameras, threshold, excluded.mask, constraints, seed=seed, progress=progress
+            about.mesh,
+            rig,
+            n_cameras,
+            threshold,
+            excluded.mask,
+            constraints,
+            seed=seed,
+            progress=progress,
+            certify=certify,
         )
         progress("drawing", 0, 1)
         layout_file.write(out / OUTPUTS[0], layout_file.placement_content(result, about.name, excluded.words))
@@ -61,6 +70,8 @@ def run(
     console.print(
         "optimised ring angles [degrees]: " + ", ".join(f"{angle:.3f}" for angle in np.degrees(result.angles)),
     )
+    if result.certificate is not None:
+        console.print(result.certificate.statement)
     console.print(f"wrote {', '.join(str(out / name) for name in OUTPUTS)}")
 
 

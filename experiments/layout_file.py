@@ -68,10 +68,23 @@ def placement_content(placement, mesh_name: str, excluded: str) -> dict[str, Any
         "mesh": {"name": mesh_name, "sha256": placement.mesh_hash, "excluded": excluded,
                  "n_excluded_faces": placement.n_excluded},
         "constraints": constraints,
+        "certificate": None if placement.certificate is None else certificate_content(placement.certificate),
         "settings": asdict(placement.settings),
         "seed": placement.seed,
         "versions": placement.versions,
     }  # fmt: skip
+
+
+def certificate_content(certificate) -> dict[str, Any]:
+    """A `placement.Certificate` as it stands in the file: fractions of the ring maximum of the samples."""
+    return {
+        "bound_fraction": certificate.bound_fraction,
+        "gap": certificate.gap,
+        "grid_bound_fraction": certificate.grid_bound_fraction,
+        "grid_gap": certificate.grid_gap,
+        "proven": certificate.proven,
+        "statement": certificate.statement,
+    }
 
 
 def write(path: Path, content: dict[str, Any]) -> None:

@@ -1,7 +1,7 @@
 """The algorithm of Wachter 2021, section 2.3, written plainly from the paper's text, to measure `exact` against.
 
-One polygon operation for each pair of faces that overlap in the image, and for T = 2 the union over all pairs of
-cameras of what both see. Faces are ordered by their nearest vertex. Nothing here is used for results.
+One polygon operation for each pair of faces in the image, and for T = 2 the union over all pairs of cameras of what
+both see. Faces are ordered by their nearest vertex. Nothing here is used for results.
 """
 
 from collections.abc import Sequence
@@ -49,16 +49,12 @@ def _visible_polygons(mesh: trimesh.Trimesh, camera: exact.Camera) -> dict[int, 
     window = shapely.box(*(-camera.fov / 2), *(camera.fov / 2))
     polygons = np.asarray(shapely.polygons(image))
     chosen = [face for face in np.flatnonzero(facing).tolist() if polygons[face].intersects(window)]
-    tree = shapely.STRtree(polygons[chosen])
     seen = {}
     for face in chosen:
         visible = polygons[face].intersection(window)
-        for index in tree.query(polygons[face]):
-            other = chosen[index]
-            if other != face and nearest[other] < nearest[face]:
+        for other in chosen:
+            if nearest[other] < nearest[face] and polygons[other].intersects(visible):
                 visible = visible.difference(polygons[other])
-                if visible.is_empty:
-                    break
         if visible.area > 0:
             seen[face] = shapely.transform(visible, lambda xy, face=face: _onto_face(xy, face, mesh, camera))
     return seen

@@ -7,13 +7,14 @@ import numpy as np
 import trimesh
 
 import exact
+from meshes import fingerprint
 from placement.arcs import LayoutSpace
 from placement.certificate import certify_samples, measure
 from placement.constraints import Constraints, checked_threshold
 from placement.descent import descend
 from placement.exchange import SampledCoverage
 from placement.layout import Arcs
-from placement.results import Candidate, Placement, SearchRecord, library_versions, mesh_hash
+from placement.results import Candidate, Placement, SearchRecord, library_versions
 from placement.sampled_site import SampledSite, sample_site
 from placement.sampling import checked_exclude
 from placement.scoring import ExactScorer, canonical, distinct, polish
@@ -155,7 +156,7 @@ def optimise(
         candidates=tuple(scored),
         certificate=None if certificate is None else measure(certificate, site, scored[0].angles, threshold),
         search=SearchRecord(**record, n_exact=scorer.n_evaluations, seconds=clock.seconds),
-        mesh_hash=mesh_hash(mesh),
+        mesh_hash=fingerprint(mesh),
         n_excluded=int(excluded.sum()),
         ring=ring,
         n_cameras=space.n_cameras,

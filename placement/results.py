@@ -6,7 +6,6 @@ from importlib.metadata import version
 import numpy as np
 
 import exact
-from meshes import fingerprint as mesh_hash  # noqa: F401 - for `optimise`
 from placement.certificate import Certificate
 from placement.constraints import Constraints
 from placement.settings import Settings
@@ -88,7 +87,7 @@ class Placement:
     search : SearchRecord
         Starts, failures, evaluations, times.
     mesh_hash : str
-        SHA-256 of the mesh's vertices and faces.
+        Fingerprint of the mesh: SHA-256 of the corners of its faces (`meshes.fingerprint`).
     n_excluded : int
         Number of faces that do not count.
     """

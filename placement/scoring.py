@@ -1,5 +1,6 @@
 """The one place that turns layouts into exact areas, and what follows from them: polish."""
 
+import os
 from collections.abc import Callable
 
 import numpy as np
@@ -10,6 +11,8 @@ from placement.arcs import LayoutSpace
 
 # An improvement of the exact area smaller than this fraction is rounding, not a better layout.
 WORTHWHILE = 1e-7
+# From this many cameras on, an evaluation is shared among processes: below, starting them takes longer.
+MANY_CAMERAS = 64
 
 
 class ExactScorer:
@@ -69,6 +72,7 @@ class ExactScorer:
                 threshold=self._threshold,
                 exclude=self._exclude,
                 min_baseline=self._min_baseline,
+                workers=1 if len(theta) < MANY_CAMERAS else min(2, os.cpu_count() or 1),
             )
             self._areas[key] = float(found.area)
         return self._areas[key]
