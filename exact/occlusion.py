@@ -75,8 +75,10 @@ def _patches_seen(screen: Screen, uncut: np.ndarray):
     number = np.full(len(surface.faces), -1)
     number[uncut] = np.arange(len(uncut))
     # Ordered by their vertices, neighbours need not be hidden by the same faces: each is asked.
-    pair = number[surface.edge_faces if screen.face_distance is None else surface.edge_faces[:0]]
-    pair = pair[(pair >= 0).all(axis=1)]
+    edge_faces = surface.edge_faces if screen.face_distance is None else surface.edge_faces[:0]
+    edge_faces = edge_faces[number[edge_faces[:, 0]] >= 0]  # few are left late in a long row of cameras
+    pair = number[edge_faces]
+    pair = pair[pair[:, 1] >= 0]
     graph = coo_array((np.ones(len(pair), dtype=np.int8), (pair[:, 0], pair[:, 1])), shape=(len(uncut),) * 2)
     n_patches, patch = connected_components(graph, directed=False)
     # The faces with the largest images speak for their patch.

@@ -61,17 +61,18 @@ class Screen:
         corner = image.corners[candidate]
         x, y = image.x[corner], image.y[corner]
         box = np.stack([least(x), least(y), greatest(x), greatest(y)])
-        half_x, half_y = image.camera.half_extent
-        inside = (box[0] <= half_x) & (box[1] <= half_y) & (box[2] >= -half_x) & (box[3] >= -half_y)
-        asked = inside & (active & image.front)[image.parent[candidate]]
+        asked = (active & image.front)[image.parent[candidate]] & in_window(box, -image.camera.half_extent)
         grid = Grid.over(box[:, asked], image.camera.half_extent)
-        cells = grid.cells_of(box)
+        near = np.flatnonzero(in_window(box, grid.low, grid.high))
+        cells = grid.cells_of(box[:, near])
         # Late in a long row of cameras few faces are active, and most of what could hide has nothing left to hide.
-        inside &= grid.meets(grid.marked(cells[:, asked]), cells) & (grid.meets_window(box))
+        met = grid.meets(grid.marked(cells[:, asked[near]]), cells)
+        near, cells = near[met], cells[:, met]
+        candidate, corner, x, y, box = candidate[near], corner[near], x[near], y[near], box[:, near]
         side_x, side_y = x[:, 1:] - x[:, :1], y[:, 1:] - y[:, :1]
         twice_area = np.abs(side_x[:, 0] * side_y[:, 1] - side_y[:, 0] * side_x[:, 1])
         longest = np.maximum(box[2] - box[0], box[3] - box[1])
-        kept = inside & (twice_area > THINNEST_IMAGE * longest**2)
+        kept = twice_area > THINNEST_IMAGE * longest**2
         triangle, inverse_depth = candidate[kept], image.inverse_depth[corner[kept]]
         face_distance = None
         if depth_order == "vertex":
@@ -164,10 +165,6 @@ class Grid:
         """(4, N) cells that boxes (4, N) reach: left, low, right, high."""
         return np.stack([self.cell(side, k % 2) for k, side in enumerate(box)])
 
-    def meets_window(self, box: np.ndarray) -> np.ndarray:
-        """(N,) whether boxes (4, N) meet the window."""
-        return np.all((box[:2] <= self.high[:, None]) & (box[2:] >= self.low[:, None]), axis=0)
-
     def marked(self, cells: np.ndarray) -> np.ndarray:
         """(CELLS, CELLS) bool: the cells that some box reaches."""
         left, low, right, high = cells
@@ -190,6 +187,12 @@ class Grid:
 def _counting(count: np.ndarray) -> np.ndarray:
     """0, 1, .. count[0] - 1, 0, 1, .. count[1] - 1, and so on."""
     return np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
+
+
+def in_window(box: np.ndarray, low: np.ndarray, high: np.ndarray | None = None) -> np.ndarray:
+    """(N,) whether boxes (left, low, right, high; (4, N)) meet a window, by default symmetric about the origin."""
+    high = -low if high is None else high
+    return (box[0] <= high[0]) & (box[1] <= high[1]) & (box[2] >= low[0]) & (box[3] >= low[1])
 
 
 def seen_from_outside(image: Image) -> bool:

@@ -31,7 +31,10 @@ def run(
     output_file(out, force)
     about = subject(name, depth, detail)
     with written_whole(out) as temporary:
-        about.mesh.export(temporary)
+        if out.suffix.lower() == ".stl":
+            temporary.write_bytes(meshes.stl_bytes(about.mesh))
+        else:
+            about.mesh.export(temporary)
     size = about.mesh.extents
     print(
         f"{out}: {about.name}, {len(about.mesh.faces)} faces, {about.mesh.area:.1f} mm², "
