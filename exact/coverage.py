@@ -22,6 +22,8 @@ from exact.surface import Surface
 # Cameras per block. Within a block no face is cut before all its cameras have been looked through, since most faces
 # are seen whole often enough and never need to be.
 BLOCK = 8
+# Each worker has a core to itself; BLAS threads of several would only wait for each other.
+ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
 # Sectors of the image that each worker gets.
 SECTORS = 4
 
@@ -134,7 +136,7 @@ def tally(
         return _tally(surface, cameras, demand, active, depth_order, report)
     shares = _shares(surface, cameras[0], active, workers)
     # Threads would wait for each other: most of the time goes into making and reading shapely's objects.
-    executor = get_reusable_executor(max_workers=workers)
+    executor = get_reusable_executor(max_workers=workers, env=ONE_THREAD)
     futures = [executor.submit(_tally, surface, cameras, demand, share, depth_order) for share in shares]
     for done, _ in enumerate(as_completed(futures)):
         if report is not None:

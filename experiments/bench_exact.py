@@ -107,7 +107,9 @@ def _many_cameras() -> list[tuple[str, str, str, str]]:
     _evaluate(mesh, exclude, 2, workers=2)  # starts the worker processes
     rows = []
     times = {
-        (n, workers): _seconds(lambda n=n, workers=workers: _evaluate(mesh, exclude, n, workers), 5 if n == 8 else 2)
+        (n, workers): _seconds(
+            lambda n=n, workers=workers: _evaluate(mesh, exclude, n, workers), REPEATS if n == 8 else 3
+        )
         for n in (8, 360)
         for workers in (1, 2)
     }
