@@ -7,6 +7,7 @@ import shapely
 import trimesh
 
 from exact.cameras import Camera
+from exact.clipping import whole_faces
 from exact.coverage import Tally
 from exact.surface import Surface
 
@@ -38,6 +39,15 @@ class View:
     def area(self) -> float:
         """Visible area [mm²]; 0.0 if the camera sees nothing."""
         return float(self.face_areas.sum())
+
+    @property
+    def polygons_3d(self) -> np.ndarray:
+        """(F,) visible region of each face in space [mm]: shapely polygons with z, empty where nothing is seen."""
+        whole, face, piece = self._parts
+        polygons = np.full(len(self.face_areas), shapely.Polygon(), dtype=object)
+        polygons[whole] = _in_space(self._mesh, whole, whole_faces(len(whole)))
+        polygons[face] = _in_space(self._mesh, face, piece)
+        return polygons
 
     def to_mesh(self) -> trimesh.Trimesh:
         """Visible part of the surface, with the face each triangle comes from as `face_attributes["parent"]`."""
@@ -128,6 +138,14 @@ def _triangulated(mesh, whole: np.ndarray, piece_face: np.ndarray, piece: np.nda
     result = trimesh.Trimesh(vertices, faces, process=False)
     result.face_attributes["parent"] = np.concatenate([whole, parent])
     return result
+
+
+def _in_space(mesh, face: np.ndarray, polygon: np.ndarray) -> np.ndarray:
+    """Polygons in the coordinates of their faces as polygons with x, y and z."""
+    inner, index = shapely.get_coordinates(polygon, return_index=True)
+    corner = np.asarray(mesh.triangles)[face[index]]
+    points = corner[:, 0] + inner[:, :1] * (corner[:, 1] - corner[:, 0]) + inner[:, 1:] * (corner[:, 2] - corner[:, 0])
+    return np.asarray(shapely.set_coordinates(np.array(shapely.force_3d(polygon), dtype=object), points))
 
 
 def _as_3d(flat: np.ndarray) -> np.ndarray:

@@ -96,6 +96,19 @@ def test_views_in_the_image_and_in_space():
     assert shapely.is_empty(view.polygons[view.face_areas == 0]).all()
 
 
+def test_view_polygons_in_space_lie_on_their_faces():
+    mesh = block_with_channel()
+    view = exact.view(mesh, CAMERAS[0])
+    polygons = view.polygons_3d
+    points, face = shapely.get_coordinates(polygons, include_z=True, return_index=True)
+    assert set(face) == set(np.flatnonzero(view.face_areas > 0))
+    offset = ((points - mesh.triangles[face, 0]) * mesh.face_normals[face]).sum(axis=1)
+    assert np.abs(offset).max() < 1e-9
+    # Projected, they are the polygons of the image.
+    image = view.camera.project(points) / view.camera.resolution * view.camera.fov - view.camera.fov / 2
+    assert image == pytest.approx(shapely.get_coordinates(view.polygons), abs=1e-9)
+
+
 def test_view_polygons_match_projected_corners():
     plate = rectangle((-5, 5), (-4, 4))
     camera = above(3.0, -2.0, height=200.0, fov=(60, 60))
