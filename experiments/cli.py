@@ -148,7 +148,13 @@ def site(
 
 @app.command()
 def bench(
-    what: Annotated[str, typer.Argument(help="exact: the exact evaluator, its accuracy and speed")],
+    what: Annotated[
+        str,
+        typer.Argument(
+            help="exact: the exact evaluator, its accuracy and speed; "
+            "sites: the reference sites against the published areas"
+        ),
+    ],
     out: Out = Path("out"),
     force: Force = False,
 ) -> None:
@@ -156,12 +162,18 @@ def bench(
 
     Example: camring bench exact --out out/
     """
-    from experiments import bench_exact
-    from experiments.errors import InputError
+    if what == "exact":
+        from experiments import bench_exact
 
-    if what != "exact":
-        raise InputError(f"there is no benchmark {what!r}; choose exact")
-    bench_exact.run(out, force)
+        bench_exact.run(out, force)
+    elif what == "sites":
+        from experiments import bench_sites
+
+        bench_sites.run(out, force)
+    else:
+        from experiments.errors import InputError
+
+        raise InputError(f"there is no benchmark {what!r}; choose exact or sites")
 
 
 def main(arguments: list[str] | None = None) -> None:
