@@ -111,8 +111,8 @@ def _markdown(rows: list[Row]) -> str:
     lines = [
         "# The reference sites and the published areas",
         "",
-        "Exact areas of the coarse reference sites for equidistant cameras, T = 2, top surface not counted, beside those",
-        "of Wachter 2021, Tables A1 to A3. Made by `camring bench sites`.",
+        "Exact areas of the coarse reference sites for equidistant cameras, T = 2, top surface not counted, beside",
+        "those of Wachter 2021, Tables A1 to A3. Made by `camring bench sites`.",
         "",
         "| site | field of view [mm] | what | ours | published | may differ by | |",
         "|---|---|---|---|---|---|---|",
