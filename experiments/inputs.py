@@ -10,6 +10,7 @@ import trimesh
 import exact
 import meshes
 from experiments.errors import InputError
+from experiments.progress import working
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +44,8 @@ def subject(name: str, depth: float | None, detail: str | None, repair: bool = F
     if name in meshes.SITES and not Path(name).exists():
         site = meshes.SITES[name]
         depth = site.depths[0] if depth is None else depth
-        mesh = meshes.site(name, depth=depth, **({} if detail is None else {"detail": detail}))
+        with working(f"building {name}"):
+            mesh = meshes.site(name, depth=depth, **({} if detail is None else {"detail": detail}))
         return Subject(f"{name}, depth {depth:g} mm", mesh, True, site.fov)
     if depth is not None or detail is not None:
         raise InputError(

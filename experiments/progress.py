@@ -5,6 +5,7 @@ from contextlib import contextmanager
 
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.status import Status
 
 
 @contextmanager
@@ -21,6 +22,11 @@ def progress_stages() -> Iterator[Callable[[str, int, int], None]]:
     with _bar() as bar:
         task = bar.add_task("", total=None)
         yield lambda what, done, total: bar.update(task, description=what, completed=done, total=total)
+
+
+def working(what: str) -> Status:
+    """A context that shows a spinner for something whose end cannot be told."""
+    return Console(stderr=True).status(what)
 
 
 def _bar() -> Progress:

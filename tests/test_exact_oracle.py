@@ -15,9 +15,9 @@ STANDARD_ERRORS = 4.0
 RAY_BIAS = 1e-5
 
 RING = exact.Ring()
-# Eight equidistant cameras, of which two opposite ones are equidistant too, and three more.
+# Eight equidistant cameras, every second or fourth of which are equidistant too, and three more.
 ANGLES = np.concatenate([RING.equidistant(8), RING.equidistant(3)])
-LAYOUTS = {2: (3, 7), 3: (8, 9, 10), 8: tuple(range(8))}
+LAYOUTS = {2: (3, 7), 3: (8, 9, 10), 4: (1, 3, 5, 7), 8: tuple(range(8))}
 
 
 def check(mesh, exclude=None, n_points=N_POINTS):
