@@ -135,15 +135,16 @@ def site(
     detail: Detail = None,
     listing: Annotated[bool, typer.Option("--list", help="list the built-in sites")] = False,
     out: Annotated[Path | None, typer.Option(help="mesh file to write: .stl, .ply or .obj")] = None,
+    gallery: Annotated[Path | None, typer.Option(help="picture of all sites, cut open, to write: .png")] = None,
     force: Force = False,
 ) -> None:
-    """Write a built-in reference site to a mesh file, or list them.
+    """Write a built-in reference site to a mesh file, list them, or draw them all.
 
     Example: camring site circ_artery --depth 50 --out artery.stl
     """
     from experiments import command_site
 
-    command_site.run(name, depth, detail, listing, out, force)
+    command_site.run(name, depth, detail, listing, out, gallery, force)
 
 
 @app.command()

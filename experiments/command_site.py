@@ -10,9 +10,20 @@ from experiments.terminal import table, terminal
 
 
 def run(
-    name: str | None, depth: float | None, detail: str | None, listing: bool, out: Path | None, force: bool
+    name: str | None,
+    depth: float | None,
+    detail: str | None,
+    listing: bool,
+    out: Path | None,
+    gallery: Path | None,
+    force: bool,
 ) -> None:
-    """List the sites, or write one."""
+    """List the sites, draw them all, or write one."""
+    if gallery is not None:
+        if name is not None or depth is not None or out is not None or listing:
+            raise InputError("--gallery draws all sites; leave out NAME, --depth, --out and --list, or leave it out")
+        _draw_gallery(gallery, detail or "middle", force)
+        return
     if listing:
         shown = table("site", "depths [mm]", "field of view [mm]", "what it shows")
         for site in meshes.SITES.values():
@@ -21,7 +32,7 @@ def run(
         terminal().print(shown)
         return
     if name is None:
-        raise InputError("which site? Give its name, or --list to see them all")
+        raise InputError("which site? Give its name, or --list or --gallery to see them all")
     if out is None:
         raise InputError("where to? Give --out with a mesh file, as in --out site.stl")
     if name not in meshes.SITES:
@@ -40,3 +51,15 @@ def run(
         f"{out}: {about.name}, {len(about.mesh.faces)} faces, {about.mesh.area:.1f} mm², "
         f"{size[0]:.1f} x {size[1]:.1f} x {size[2]:.1f} mm, watertight"
     )
+
+
+def _draw_gallery(path: Path, detail: str, force: bool) -> None:
+    from experiments.site_gallery import gallery_rows, write_gallery  # matplotlib is heavy, and the rest needs none
+
+    if path.suffix.lower() != ".png":
+        raise InputError(f"--gallery is {path}; its ending must be .png")
+    output_file(path, force)
+    rows = gallery_rows()
+    write_gallery(path, rows, detail)
+    n_sites = sum(len(row) for row in rows)
+    print(f"{path}: {n_sites} site{'s' if n_sites > 1 else ''} cut open, detail {detail}")

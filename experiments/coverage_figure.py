@@ -9,6 +9,7 @@ import matplotlib
 import numpy as np
 import shapely
 import trimesh
+from matplotlib.axes import Axes
 from matplotlib.collections import PathCollection
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
@@ -108,13 +109,7 @@ def _fill(ax, polygons, n_views, normals, camera: exact.Camera, palette) -> None
     light = 0.72 + 0.28 * np.clip(normals @ lamp, 0, 1)
     base = np.stack([palette[int(count)] for count in n_views]) if len(n_views) else np.zeros((0, 3))
     fill = np.clip(base * light[:, None], 0, 1)
-    flipped = shapely.transform(polygons, lambda xy: xy * [1.0, -1.0])  # the image's y axis points down
-    outlines = [
-        Outline.make_compound_path(*(Outline(np.asarray(ring.coords), closed=True) for ring in _rings(polygon)))
-        for polygon in flipped
-    ]
-    # The hairline of the same colour closes the seams that anti-aliasing leaves between neighbours.
-    ax.add_collection(PathCollection(outlines, facecolors=fill, edgecolors=fill, linewidths=0.3, rasterized=True))
+    add_polygons(ax, polygons, fill)
     half = camera.fov[0] / 2
     bar = 10.0 if half >= 8 else 10.0 ** np.floor(np.log10(half))
     left, low = -0.94 * half, -0.93 * half
@@ -123,8 +118,29 @@ def _fill(ax, polygons, n_views, normals, camera: exact.Camera, palette) -> None
     ax.set(xlim=(-half, half), ylim=(-half, half), xticks=[], yticks=[], aspect="equal")
 
 
-def _rings(polygon: shapely.Polygon):
-    return [polygon.exterior, *polygon.interiors]
+def add_polygons(ax: Axes, polygons: np.ndarray, fill: np.ndarray, shift=(0.0, 0.0)) -> None:
+    """Draw regions of a camera's image, y down, in these colours, upright and moved by `shift`.
+
+    Parameters
+    ----------
+    polygons : (N,) ndarray of object
+        Polygons or MultiPolygons [mm].
+    fill : (N, 3) ndarray
+        RGB.
+    shift : (2,) array_like
+        To the right and up [mm].
+    """
+    upright = shapely.transform(polygons, lambda xy: xy * [1.0, -1.0] + shift)
+    outlines = [
+        Outline.make_compound_path(*(Outline(np.asarray(ring.coords), closed=True) for ring in _rings(region)))
+        for region in upright
+    ]
+    # The hairline of the same colour closes the seams that anti-aliasing leaves between neighbours.
+    ax.add_collection(PathCollection(outlines, facecolors=fill, edgecolors=fill, linewidths=0.3, rasterized=True))
+
+
+def _rings(region: shapely.Polygon | shapely.MultiPolygon):
+    return [ring for polygon in shapely.get_parts(region) for ring in (polygon.exterior, *polygon.interiors)]
 
 
 def _legend(palette, shades: int, threshold: int, most: int, shown: set[int]) -> list[Patch]:

@@ -18,8 +18,8 @@ COMMANDS = [
     for line in block.splitlines()
     if line.startswith("camring")
 ]
-# Minutes long: their parts are tested elsewhere, and the command is known to the parser.
-SLOW = ("camring bench",)
+# Long: their parts are tested elsewhere, and the command is known to the parser.
+SLOW = ("camring bench", "camring site --gallery")
 
 
 @pytest.fixture
