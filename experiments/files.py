@@ -52,15 +52,15 @@ def output_folder(folder: Path, names: Iterable[str], force: bool) -> Path:
         with tempfile.TemporaryFile(dir=folder):
             pass
     except FileExistsError as error:
-        raise InputError(f"output folder {folder} is a file; give a folder with --out") from error
+        raise InputError(f"output folder {folder} is a file; give another folder") from error
     except OSError as error:
         raise InputError(
-            f"cannot write to output folder {folder}: {error.strerror}; give another one with --out"
+            f"cannot write to output folder {folder}: {error.strerror}; give another one"
         ) from error
     present = [name for name in names if (folder / name).exists()]
     if present and not force:
         raise InputError(
-            f"{folder} already holds {', '.join(present)}; give another folder with --out, or --force to replace them"
+            f"{folder} already holds {', '.join(present)}; give another place, or --force to replace them"
         )
     return folder
 
@@ -68,6 +68,6 @@ def output_folder(folder: Path, names: Iterable[str], force: bool) -> Path:
 def output_file(path: Path, force: bool) -> Path:
     """Make sure that the single file `path` can be written; errors as for `output_folder`."""
     if path.is_dir():
-        raise InputError(f"{path} is a folder; give a file with --out")
+        raise InputError(f"{path} is a folder; give the name of a file")
     output_folder(path.parent, [path.name], force)
     return path

@@ -39,6 +39,8 @@ class Site:
         Recommended field of view, tangential and radial [mm].
     block : float
         Width of the block of tissue [mm], wider than what cameras see of the top surface.
+    fine_edge : float
+        Edges at fine detail, as a part of what the usual rule gives: less where it makes too few faces.
     """
 
     name: str
@@ -48,6 +50,7 @@ class Site:
     anatomy: Anatomy
     fov: tuple[float, float] = (36.0, 24.0)
     block: float = 60.0
+    fine_edge: float = 1.0
 
 
 # The corners are what the published areas with and without top surface show (Wachter 2021, Tables A1 to A3): the
@@ -80,6 +83,7 @@ SITES: dict[str, Site] = {
             PAPER_DEPTHS,
             CIRCULAR,
             PAPER_ANATOMY["circ_artery"],
+            fine_edge=0.84,
         ),
         Site(
             "circ_overhang",
@@ -103,6 +107,7 @@ SITES: dict[str, Site] = {
             EYE_ANTERIOR,
             fov=(42.0, 42.0),
             block=80.0,
+            fine_edge=0.82,
         ),
         Site(
             "spine_disc",
@@ -192,4 +197,5 @@ def _edge(spec: Site, opening: Opening, depth: float, detail: str) -> float:
     wall = perimeter * spec.anatomy.top
     floor = np.pi * opening.half_axes[0] * opening.half_axes[1]
     # Measured: manifold3d's level sets have about 4.7 faces for a square of the edge length.
-    return float(np.sqrt(4.7 * (wall + 1.5 * floor) / DETAILS[detail]))
+    usual = float(np.sqrt(4.7 * (wall + 1.5 * floor) / DETAILS[detail]))
+    return usual * spec.fine_edge if detail == "fine" else usual

@@ -208,7 +208,7 @@ REFUSED = {
     "wrong detail": (lambda d: ("optimise", "circ_flat", "--detail", "huge"), r"no detail 'huge'"),
     "output is a file": (
         lambda d: ("optimise", "circ_flat", "--out", text(d, "taken", "x")),
-        r"taken is a file; give a folder with --out",
+        r"taken is a file; give another folder",
     ),
     "layout is no JSON": (
         lambda d: ("evaluate", "circ_flat", "--layout", text(d, "a.json", "{")),
