@@ -54,14 +54,10 @@ def output_folder(folder: Path, names: Iterable[str], force: bool) -> Path:
     except FileExistsError as error:
         raise InputError(f"output folder {folder} is a file; give another folder") from error
     except OSError as error:
-        raise InputError(
-            f"cannot write to output folder {folder}: {error.strerror}; give another one"
-        ) from error
+        raise InputError(f"cannot write to output folder {folder}: {error.strerror}; give another one") from error
     present = [name for name in names if (folder / name).exists()]
     if present and not force:
-        raise InputError(
-            f"{folder} already holds {', '.join(present)}; give another place, or --force to replace them"
-        )
+        raise InputError(f"{folder} already holds {', '.join(present)}; give another place, or --force to replace them")
     return folder
 
 
