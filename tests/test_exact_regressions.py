@@ -1,0 +1,36 @@
+"""Scenes that once came out wrong."""
+
+import numpy as np
+import pytest
+import trimesh
+from scenes import AWKWARD, above
+
+import exact
+
+
+def test_a_union_that_geos_gets_wrong_is_noticed():
+    # unary_union of the unseen cells of one face lost 6 % of it without an error.
+    rng = np.random.default_rng(244)
+    mesh = AWKWARD["T-junctions"]()
+    size = float(np.abs(mesh.vertices).max())
+    fov = tuple(size * rng.uniform(0.8, 3.0, 2))
+    ring = exact.Ring(diameter=size * rng.uniform(0.5, 4), working_distance=size * rng.uniform(2.5, 8), fov=fov)
+    cameras = ring.cameras(rng.uniform(0, 2 * np.pi, 4))
+    levels = exact.evaluate(mesh, cameras, threshold=4).level_face_areas.sum(axis=0)
+    assert levels == pytest.approx(sum(exact.view(mesh, camera).face_areas for camera in cameras), abs=1e-9)
+
+
+@pytest.mark.parametrize("offset", [1e-6, 1e-5, 1e-4])
+@pytest.mark.parametrize("seed", range(8))
+def test_nearly_coplanar_faces_hide_each_other_once(offset, seed):
+    # Of two triangles that differ by next to nothing the nearer one is seen at each point: one triangle's area in all.
+    rng = np.random.default_rng(seed)
+    corners = rng.normal(0, 5, (3, 3)) * [1, 1, 0.2]
+    if np.cross(corners[1] - corners[0], corners[2] - corners[0])[2] < 0:
+        corners = corners[::-1]
+    pair = np.concatenate([corners, corners + rng.normal(0, offset, (3, 3))])
+    mesh = trimesh.Trimesh(pair, [[0, 1, 2], [3, 4, 5]], process=False)
+    one = trimesh.Trimesh(corners, [[0, 1, 2]], process=False)
+    seen = exact.evaluate(mesh, [above(fov=(90, 90))], threshold=1).area
+    # A strip as wide as the offset, wider on a face seen at a slant, is seen of both.
+    assert seen == pytest.approx(one.area, abs=100 * offset / one.face_normals[0, 2])
