@@ -8,6 +8,7 @@ import numpy as np
 import shapely
 
 from exact.errors import ExactError
+from exact.screen import counting
 from exact.silhouettes import Cuts
 
 # The cells of a piece must fill it up to this part of the face, or the cutting is done again on a precision grid.
@@ -115,7 +116,7 @@ def _segments_over(face: np.ndarray, piece: np.ndarray, cuts: Cuts):
     first, last = np.searchsorted(cuts.face, face, "left"), np.searchsorted(cuts.face, face, "right")
     count = last - first
     owner = np.repeat(np.arange(len(face)), count)
-    chosen = np.repeat(first - (np.cumsum(count) - count), count) + np.arange(count.sum())
+    chosen = np.repeat(first, count) + counting(count)
     start, end = cuts.start[chosen], cuts.end[chosen]
     low, high = np.minimum(start, end), np.maximum(start, end)
     box = shapely.bounds(piece)[owner]

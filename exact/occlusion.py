@@ -17,7 +17,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from exact.projection import Image
-from exact.screen import Screen
+from exact.screen import Screen, counting
 from exact.silhouettes import Cuts, crossings
 
 HIDDEN, WHOLE, CUT = 0, 1, 2
@@ -88,7 +88,7 @@ def _patches_seen(screen: Screen, uncut: np.ndarray):
     order = np.lexsort((-size, patch))
     count = np.bincount(patch, minlength=n_patches)
     rank = np.empty(len(uncut), dtype=int)
-    rank[order] = np.arange(len(uncut)) - np.repeat(np.cumsum(count) - count, count)
+    rank[order] = counting(count)
     probe = np.flatnonzero(rank < PROBES)
 
     def centre_seen(which: np.ndarray) -> np.ndarray:

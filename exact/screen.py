@@ -126,10 +126,10 @@ class Screen:
         # The points in one column of a triangle's cells follow each other.
         width = right - left + 1
         which = np.repeat(np.arange(len(triangle)), width)
-        column = left[which] + _counting(width)
+        column = left[which] + counting(width)
         first = np.searchsorted(key, column * CELLS + low[which], "left")
         count = np.searchsorted(key, column * CELLS + high[which], "right") - first
-        return order[np.repeat(first, count) + _counting(count)], triangle[np.repeat(which, count)]
+        return order[np.repeat(first, count) + counting(count)], triangle[np.repeat(which, count)]
 
     def _weights(self, found: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         return barycentric(self.x[found], self.y[found], x, y)
@@ -184,7 +184,7 @@ class Grid:
         return total[right + 1, high + 1] - total[left, high + 1] - total[right + 1, low] + total[left, low] > 0
 
 
-def _counting(count: np.ndarray) -> np.ndarray:
+def counting(count: np.ndarray) -> np.ndarray:
     """0, 1, .. count[0] - 1, 0, 1, .. count[1] - 1, and so on."""
     return np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
 
