@@ -26,6 +26,9 @@ BLOCK = 8
 ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
 # Sectors of the image that each worker gets.
 SECTORS = 4
+# Workers that idle this long go away [s]. Long, since loky warns when one goes just as new work comes; that is harmless,
+# as it starts another, but a program that turns warnings into errors would be stopped by it.
+IDLE_SECONDS = 600
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,7 +139,7 @@ def tally(
         return _tally(surface, cameras, demand, active, depth_order, report)
     shares = _shares(surface, cameras[0], active, workers)
     # Threads would wait for each other: most of the time goes into making and reading shapely's objects.
-    executor = get_reusable_executor(max_workers=workers, env=ONE_THREAD)
+    executor = get_reusable_executor(max_workers=workers, timeout=IDLE_SECONDS, env=ONE_THREAD)
     futures = [executor.submit(_tally, surface, cameras, demand, share, depth_order) for share in shares]
     for done, _ in enumerate(as_completed(futures)):
         if report is not None:
