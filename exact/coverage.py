@@ -26,8 +26,8 @@ BLOCK = 8
 ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
 # Sectors of the image that each worker gets.
 SECTORS = 4
-# Workers that idle this long go away [s]. Long, since loky warns when one goes just as new work comes; that is harmless,
-# as it starts another, but a program that turns warnings into errors would be stopped by it.
+# Workers that idle this long go away [s]. Long, since loky warns when one goes just as new work comes: harmless, as it
+# starts another, but a program that turns warnings into errors would be stopped by it.
 IDLE_SECONDS = 600
 
 
