@@ -3,7 +3,23 @@
 from exact.cameras import Camera, Ring
 from exact.drawing import NOT_COUNTED, seen_from
 from exact.errors import ExactError
-from exact.evaluate import evaluate, view
+from exact.evaluate import areas, evaluate, view
+from exact.one_more import OneMore
 from exact.results import Reconstruction, View
+from exact.view_sets import ViewSets, view_sets
 
-__all__ = ["NOT_COUNTED", "Camera", "ExactError", "Reconstruction", "Ring", "View", "evaluate", "seen_from", "view"]
+__all__ = [
+    "NOT_COUNTED",
+    "Camera",
+    "ExactError",
+    "OneMore",
+    "Reconstruction",
+    "Ring",
+    "View",
+    "ViewSets",
+    "areas",
+    "evaluate",
+    "seen_from",
+    "view",
+    "view_sets",
+]

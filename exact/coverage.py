@@ -6,7 +6,7 @@ and the next camera meets only what is left.
 """
 
 from collections.abc import Callable, Sequence
-from concurrent.futures import as_completed
+from concurrent.futures import Executor, as_completed
 from dataclasses import dataclass
 
 import numpy as np
@@ -84,11 +84,13 @@ class Tally:
 class Demand:
     """When a point counts as reconstructable: seen by `threshold` cameras, two of them far enough apart.
 
-    `far` is (M, M) bool, or None if no baseline is asked for.
+    `far` is (M, M) bool, or None if no baseline is asked for. With `sets` only parts that the very same cameras see
+    are ever merged.
     """
 
     threshold: int
     far: np.ndarray | None
+    sets: bool = False
 
     def met(self, seen: np.ndarray) -> np.ndarray:
         """(N,) whether each row of `seen` (N, M) meets it."""
@@ -97,6 +99,8 @@ class Demand:
 
     def state(self, seen: np.ndarray, coming: np.ndarray) -> np.ndarray:
         """(N, K) rows that are equal for parts that will meet the demand by the same future views `coming` (M,)."""
+        if self.sets:
+            return seen
         count = np.minimum(seen.sum(axis=1), self.threshold)[:, None]
         if self.far is None:
             return count
@@ -109,6 +113,41 @@ class Demand:
 
     def _paired(self, seen: np.ndarray) -> np.ndarray:
         return np.asarray((seen & self._reach(seen)).any(axis=1))
+
+
+@dataclass(frozen=True, eq=False)
+class Count:
+    """How far the counting has come.
+
+    Attributes
+    ----------
+    active : (F,) bool
+        Faces of which some part still waits for views.
+    whole_seen : (F, M) bool
+    is_cut : (F,) bool
+    waiting : Pieces
+        Those that do not meet the demand yet.
+    done : tuple of Pieces
+    n_repairs : int
+    """
+
+    active: np.ndarray
+    whole_seen: np.ndarray
+    is_cut: np.ndarray
+    waiting: Pieces
+    done: tuple[Pieces, ...]
+    n_repairs: int
+
+    @staticmethod
+    def start(active: np.ndarray, n_cameras: int) -> "Count":
+        """No camera has been added yet."""
+        none = Pieces(np.zeros(0, dtype=int), np.zeros(0, dtype=object), np.zeros((0, n_cameras), dtype=bool))
+        seen = np.zeros((len(active), n_cameras), dtype=bool)
+        return Count(active, seen, np.zeros(len(active), dtype=bool), none, (none,), 0)
+
+    def tally(self) -> Tally:
+        """What has been counted."""
+        return Tally(self.whole_seen, self.is_cut, Pieces.joined([*self.done, self.waiting]), self.n_repairs)
 
 
 def spread_order(cameras: Sequence[Camera]) -> np.ndarray:
@@ -138,8 +177,7 @@ def tally(
     if workers == 1 or active.sum() < workers:
         return _tally(surface, cameras, demand, active, depth_order, report)
     shares = _shares(surface, cameras[0], active, workers)
-    # Threads would wait for each other: most of the time goes into making and reading shapely's objects.
-    executor = get_reusable_executor(max_workers=workers, timeout=IDLE_SECONDS, env=ONE_THREAD)
+    executor = processes(workers)
     futures = [executor.submit(_tally, surface, cameras, demand, share, depth_order) for share in shares]
     for done, _ in enumerate(as_completed(futures)):
         if report is not None:
@@ -151,6 +189,14 @@ def tally(
         Pieces.joined([part.pieces for part in found]),
         sum(part.n_repairs for part in found),
     )
+
+
+def processes(workers: int) -> Executor:
+    """Executor with that many processes, kept for the next call.
+
+    Threads would wait for each other: most of the time goes into making and reading shapely's objects.
+    """
+    return get_reusable_executor(max_workers=workers, timeout=IDLE_SECONDS, env=ONE_THREAD)
 
 
 def _shares(surface: Surface, camera: Camera, active: np.ndarray, n: int) -> list[np.ndarray]:
@@ -181,39 +227,47 @@ def _tally(
     depth_order: str,
     report: Callable[[int], object] | None = None,
 ) -> Tally:
-    n_faces, n_cameras = len(surface.faces), len(cameras)
-    whole_seen = np.zeros((n_faces, n_cameras), dtype=bool)
-    is_cut = np.zeros(n_faces, dtype=bool)
-    pieces = Pieces(np.zeros(0, dtype=int), np.zeros(0, dtype=object), np.zeros((0, n_cameras), dtype=bool))
-    done = [pieces]
-    n_repairs = 0
-    coming = np.ones(n_cameras, dtype=bool)
-    for block in np.split(spread_order(cameras), range(BLOCK, n_cameras, BLOCK)):
-        sights: list[Sight] = []
-        for i in block:
-            sights.append(look(project(surface, cameras[i]), active, depth_order))
-            # Faces that need no further view are not asked about again.
-            whole = np.flatnonzero(active & ~is_cut)
-            whole_seen[whole, i] = sights[-1].status[whole] == WHOLE
-            active = active.copy()
-            active[whole] = ~demand.met(whole_seen[whole])
+    count = Count.start(active, len(cameras))
+    coming = np.ones(len(cameras), dtype=bool)
+    for block in np.split(spread_order(cameras), range(BLOCK, len(cameras), BLOCK)):
         coming[block] = False
-        n_repairs += sum(sight.n_repairs for sight in sights)
-        status = np.stack([sight.status for sight in sights], axis=1)
-        new = np.flatnonzero(active & ~is_cut & (status == CUT).any(axis=1))
-        pieces = Pieces.joined([pieces, Pieces(new, whole_faces(len(new)), whole_seen[new])])
-        is_cut[new] = True
-        whole_seen[new] = False
-        finished, pieces, repairs = _refine(pieces, sights, status, block, demand, coming)
-        done.append(finished)
-        n_repairs += repairs
-        active = active & ~is_cut
-        active[pieces.face] = True
+        count = add_views(count, surface, cameras, block, coming, demand, depth_order)
         if report is not None:
             report(len(block))
-        if not active.any():
+        if not count.active.any():
             break
-    return Tally(whole_seen, is_cut, Pieces.joined([*done, pieces]), n_repairs)
+    return count.tally()
+
+
+def add_views(
+    count: Count,
+    surface: Surface,
+    cameras: Sequence[Camera],
+    block: np.ndarray,
+    coming: np.ndarray,
+    demand: Demand,
+    depth_order: str = "exact",
+) -> Count:
+    """Count the views of the cameras with the indices `block` too; `coming`, (M,) bool, are those after them."""
+    active, whole_seen, is_cut = count.active, count.whole_seen.copy(), count.is_cut.copy()
+    sights: list[Sight] = []
+    for i in block:
+        sights.append(look(project(surface, cameras[i]), active, depth_order))
+        # Faces that need no further view are not asked about again.
+        whole = np.flatnonzero(active & ~is_cut)
+        whole_seen[whole, i] = sights[-1].status[whole] == WHOLE
+        active = active.copy()
+        active[whole] = ~demand.met(whole_seen[whole])
+    n_repairs = count.n_repairs + sum(sight.n_repairs for sight in sights)
+    status = np.stack([sight.status for sight in sights], axis=1)
+    new = np.flatnonzero(active & ~is_cut & (status == CUT).any(axis=1))
+    pieces = Pieces.joined([count.waiting, Pieces(new, whole_faces(len(new)), whole_seen[new])])
+    is_cut[new] = True
+    whole_seen[new] = False
+    finished, pieces, repairs = _refine(pieces, sights, status, block, demand, coming)
+    active = active & ~is_cut
+    active[pieces.face] = True
+    return Count(active, whole_seen, is_cut, pieces, (*count.done, finished), n_repairs + repairs)
 
 
 def _refine(pieces: Pieces, sights: list[Sight], status, block: np.ndarray, demand: Demand, coming: np.ndarray):

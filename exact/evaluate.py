@@ -1,6 +1,7 @@
 """The two questions: what does one camera see, and what can a set of cameras reconstruct."""
 
 from collections.abc import Callable, Sequence
+from concurrent.futures import as_completed
 
 import numpy as np
 import shapely
@@ -8,14 +9,19 @@ import trimesh
 
 from exact.cameras import Camera
 from exact.clipping import unite, whole_faces
-from exact.coverage import Demand, tally
+from exact.coverage import Demand, Tally, processes, tally
 from exact.errors import ExactError
 from exact.projection import image_polygons
+from exact.requests import (
+    checked_cameras,
+    checked_mask,
+    checked_threshold,
+    checked_weights,
+    checked_workers,
+    far_apart,
+)
 from exact.results import Reconstruction, View
-from exact.surface import prepare
-
-# Two cameras are "at least that far apart" if they fall short of it by rounding only.
-SAME_LENGTH = 1e-12
+from exact.surface import Surface, prepare
 
 
 def view(mesh: trimesh.Trimesh, camera: Camera) -> View:
@@ -43,7 +49,7 @@ def view(mesh: trimesh.Trimesh, camera: Camera) -> View:
     """
     surface = prepare(mesh)
     every_face = np.ones(len(surface.faces), dtype=bool)
-    seen = tally(surface, _checked_cameras([camera]), Demand(1, None), every_face, workers=1)
+    seen = tally(surface, checked_cameras([camera]), Demand(1, None), every_face, workers=1)
     whole = seen.whole_seen[:, 0] & ~seen.is_cut
     visible = seen.pieces.seen[:, 0]
     face, first = np.unique(seen.pieces.face[visible], return_index=True)
@@ -119,28 +125,94 @@ def evaluate(
     >>> evaluate(plate, ring.cameras([0.0, 0.1]), min_baseline=20.0).area  # too close to each other
     0.0
     """
-    cameras = _checked_cameras(cameras)
-    if int(threshold) != threshold or not 1 <= threshold <= len(cameras):
-        raise ExactError(
-            f"threshold is {threshold} with {len(cameras)} cameras; it must be a whole number from 1 to the number of "
-            "cameras: add cameras or lower the threshold"
-        )
-    if not (np.isfinite(min_baseline) and min_baseline >= 0):
-        raise ExactError(f"min_baseline is {min_baseline}; it must be finite and at least 0 [mm]")
+    cameras = checked_cameras(cameras)
+    threshold = checked_threshold(threshold, len(cameras))
     if depth_order not in ("exact", "vertex"):
         raise ExactError(f'depth_order is {depth_order!r}; it must be "exact" or "vertex"')
-    if int(workers) != workers or workers < 1:
-        raise ExactError(f"workers is {workers}; it must be a whole number, at least 1")
+    workers = checked_workers(workers)
     surface = prepare(mesh)
-    counted = ~_checked_mask(exclude, len(surface.faces))
-    weights = _checked_weights(weights, len(surface.faces))
-    far = None
-    if min_baseline > 0:
-        position = np.array([camera.position for camera in cameras])
-        far = np.linalg.norm(position[:, None] - position[None, :], axis=2) >= min_baseline * (1 - SAME_LENGTH)
-    demand = Demand(int(threshold), far)
-    seen = tally(surface, cameras, demand, counted, int(workers), report, depth_order)
+    counted = ~checked_mask(exclude, len(surface.faces))
+    weights = checked_weights(weights, len(surface.faces))
+    demand = Demand(threshold, far_apart(cameras, min_baseline))
+    seen = tally(surface, cameras, demand, counted, workers, report, depth_order)
+    return _reconstruction(mesh, surface, seen, demand, counted, weights, float(min_baseline))
 
+
+def areas(
+    mesh: trimesh.Trimesh,
+    layouts: Sequence[Sequence[Camera]],
+    threshold: int = 2,
+    exclude: np.ndarray | None = None,
+    min_baseline: float = 0.0,
+    weights: np.ndarray | None = None,
+    workers: int = 1,
+    report: Callable[[int], object] | None = None,
+) -> np.ndarray:
+    """Area that each of several sets of cameras reconstructs.
+
+    Parameters
+    ----------
+    mesh, threshold, exclude, min_baseline, weights
+        As for `evaluate`.
+    layouts : sequence of sequences of Camera
+    workers : int
+        Number of processes among which the layouts are shared. The result does not depend on it.
+    report : callable, optional
+        Called with 1 for each layout done, in any order; for progress bars.
+
+    Returns
+    -------
+    (L,) float
+        `evaluate(...).area` for each [mm²], to the last bit.
+
+    Raises
+    ------
+    ExactError
+        If one of the requests is not possible.
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> from exact import Ring
+    >>> plate = trimesh.Trimesh([[-5, -5, 0], [5, -5, 0], [5, 5, 0], [-5, 5, 0]], [[0, 1, 2], [0, 2, 3]])
+    >>> ring = Ring()
+    >>> areas(plate, [ring.cameras(ring.equidistant(n)) for n in (2, 3)]).round(9).tolist()
+    [100.0, 100.0]
+    """
+    surface = prepare(mesh)
+    counted = ~checked_mask(exclude, len(surface.faces))
+    weights = checked_weights(weights, len(surface.faces))
+    tasks = []
+    for cameras in layouts:
+        cameras = checked_cameras(cameras)
+        demand = Demand(checked_threshold(threshold, len(cameras)), far_apart(cameras, min_baseline))
+        tasks.append((surface, cameras, demand, counted, weights))
+    workers = min(checked_workers(workers), len(tasks))
+    if workers <= 1:
+        found = []
+        for task in tasks:
+            found.append(_area(*task))
+            if report is not None:
+                report(1)
+        return np.array(found)
+    _ = surface.solid  # found once, not by every worker
+    futures = [processes(workers).submit(_area, *task) for task in tasks]
+    for _ in as_completed(futures):
+        if report is not None:
+            report(1)
+    return np.array([future.result() for future in futures])
+
+
+def _area(surface: Surface, cameras: Sequence[Camera], demand: Demand, counted: np.ndarray, weights) -> float:
+    seen = tally(surface, cameras, demand, counted, workers=1)
+    nothing = trimesh.Trimesh()  # only the number goes back
+    return _reconstruction(nothing, surface, seen, demand, counted, weights).area
+
+
+def _reconstruction(
+    mesh: trimesh.Trimesh, surface: Surface, seen: Tally, demand: Demand, counted, weights, min_baseline=0.0
+) -> Reconstruction:
+    """What a tally of views means."""
     whole = counted & ~seen.is_cut & (surface.areas > 0)
     whole_count, piece_count = seen.whole_seen.sum(axis=1), seen.pieces.seen.sum(axis=1)
     piece_area = 2 * surface.areas[seen.pieces.face] * shapely.area(seen.pieces.polygon)
@@ -151,42 +223,9 @@ def evaluate(
         return np.where(faces, surface.areas, 0.0) + np.minimum(in_pieces, surface.areas)
 
     levels = [
-        face_areas(whole & (whole_count >= level), piece_count >= level) for level in range(1, int(threshold) + 1)
+        face_areas(whole & (whole_count >= level), piece_count >= level) for level in range(1, demand.threshold + 1)
     ]
     return Reconstruction(
-        int(threshold), float(min_baseline), face_areas(whole_met, piece_met), np.stack(levels), weights,
+        demand.threshold, min_baseline, face_areas(whole_met, piece_met), np.stack(levels), weights,
         seen.n_repairs, mesh, surface, seen, counted, whole_met, piece_met,
     )  # fmt: skip
-
-
-def _checked_cameras(cameras: Sequence[Camera]) -> tuple[Camera, ...]:
-    cameras = tuple(cameras)
-    if not cameras:
-        raise ExactError("there are no cameras; at least one is needed")
-    for camera in cameras:
-        if not isinstance(camera, Camera):
-            raise ExactError(f"a camera is a {type(camera).__name__}; exact.Camera is needed: see Ring.cameras")
-    return cameras
-
-
-def _checked_mask(exclude, n_faces: int) -> np.ndarray:
-    if exclude is None:
-        return np.zeros(n_faces, dtype=bool)
-    mask = np.asarray(exclude)
-    if mask.dtype != bool or mask.shape != (n_faces,):
-        raise ExactError(
-            f"exclude is an array of {mask.dtype} with shape {mask.shape}; it must be bool with one entry for each of "
-            f"the {n_faces} faces"
-        )
-    return mask
-
-
-def _checked_weights(weights, n_faces: int) -> np.ndarray | None:
-    if weights is None:
-        return None
-    values = np.asarray(weights, dtype=np.float64)
-    if values.shape != (n_faces,) or not np.isfinite(values).all() or (values < 0).any():
-        raise ExactError(
-            f"weights has shape {values.shape}; it must be finite, not negative, one for each of the {n_faces} faces"
-        )
-    return values

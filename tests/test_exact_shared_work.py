@@ -1,0 +1,87 @@
+"""Ways to share work among layouts give what evaluating each by itself gives."""
+
+import itertools
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from test_exact_laws import MESHES, close, few, mesh_names, request, seeds
+
+import exact
+
+thresholds = st.integers(1, 3)
+
+
+def counted(rng, mesh):
+    """Some faces that do not count, and weights of the others."""
+    return rng.random(len(mesh.faces)) < 0.2, rng.uniform(0, 2, len(mesh.faces))
+
+
+@few
+@given(mesh_names, seeds, thresholds, st.booleans())
+def test_one_more_camera(name, seed, threshold, with_baseline):
+    rng, mesh, cameras = request(seed, name, 5)
+    exclude, weights = counted(rng, mesh)
+    apart = np.linalg.norm(cameras[0].position - cameras[1].position) if with_baseline else 0.0
+    others = exact.OneMore(mesh, cameras[:3], threshold, exclude, apart, weights)
+    for camera in cameras[3:]:
+        alone = exact.evaluate(mesh, [*cameras[:3], camera], threshold, exclude, apart, weights=weights)
+        assert close(others.area(camera), alone.area, mesh)
+
+
+def test_one_more_camera_and_no_other():
+    mesh = MESHES["channel"]
+    _, _, (camera, other) = request(3, "channel", 2)
+    nobody = exact.OneMore(mesh, [], threshold=1)
+    assert nobody.area(camera) == pytest.approx(exact.view(mesh, camera).area)
+    assert nobody.area(other) == pytest.approx(exact.view(mesh, other).area)
+
+
+@few
+@given(mesh_names, seeds)
+def test_view_sets_give_every_threshold_every_failure_and_every_pair(name, seed):
+    rng, mesh, cameras = request(seed, name, 4)
+    exclude, weights = counted(rng, mesh)
+    sets = exact.view_sets(mesh, cameras, exclude, weights)
+    assert len(np.unique(sets.seen, axis=0)) == len(sets.seen) and sets.seen.any(axis=1).all()
+    for level, area in enumerate(exact.evaluate(mesh, cameras, 4, exclude, weights=weights).level_areas, start=1):
+        assert close(sets.area(level), area, mesh)
+    for kept in itertools.combinations(range(4), 3):
+        some = [cameras[i] for i in kept]
+        alone = exact.evaluate(mesh, some, 2, exclude, weights=weights).area
+        assert close(sets.area(2, np.isin(np.arange(4), kept)), alone, mesh)
+    far = np.array([[np.linalg.norm(a.position - b.position) for a in cameras] for b in cameras])
+    apart = np.median(far[far > 0])
+    with_baseline = exact.evaluate(mesh, cameras, 2, exclude, apart, weights=weights).area
+    assert close(sets.area(2, far=far >= apart * (1 - 1e-12)), with_baseline, mesh)
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_areas_of_many_layouts_are_those_of_each_to_the_last_bit(workers):
+    mesh = MESHES["channel"]
+    exclude, weights = counted(np.random.default_rng(0), mesh)
+    _, _, cameras = request(5, "channel", 9)
+    layouts = [cameras[:3], cameras[3:5], cameras[5:]]
+    steps = []
+    found = exact.areas(mesh, layouts, 2, exclude, weights=weights, workers=workers, report=steps.append)
+    assert found.tolist() == [exact.evaluate(mesh, one, 2, exclude, weights=weights).area for one in layouts]
+    assert steps == [1, 1, 1]
+    assert exact.areas(mesh, [], workers=workers).tolist() == []
+
+
+@pytest.mark.parametrize(
+    ("ask", "message"),
+    [
+        (lambda mesh, some: exact.OneMore(mesh, some, threshold=4), "threshold is 4 with 3 cameras"),
+        (lambda mesh, some: exact.OneMore(mesh, some, min_baseline=-1), "min_baseline is -1"),
+        (lambda mesh, some: exact.OneMore(mesh, some).area("here"), "a camera is a str"),
+        (lambda mesh, some: exact.areas(mesh, [some, some[:1]], threshold=2), "threshold is 2 with 1 cameras"),
+        (lambda mesh, some: exact.areas(mesh, [some], workers=0), "workers is 0"),
+        (lambda mesh, some: exact.view_sets(mesh, []), "there are no cameras"),
+    ],
+)
+def test_refusals(ask, message):
+    _, mesh, cameras = request(1, "channel", 2)
+    with pytest.raises(exact.ExactError, match=message):
+        ask(mesh, cameras)
