@@ -129,6 +129,38 @@ def compare(
 
 
 @app.command()
+def export(
+    layout: Annotated[Path, typer.Argument(help="layout.json")],
+    format: Annotated[
+        str, typer.Option(help="one or more of colmap, transforms, opencv, glb, csv, separated by commas")
+    ],
+    mesh: Annotated[
+        str | None, typer.Option(help="the mesh the layout was made for, which glb shows: a file, or a built-in site")
+    ] = None,
+    depth: Depth = None,
+    detail: Detail = None,
+    repair: Repair = False,
+    resolution: Annotated[
+        str | None,
+        typer.Option(help="image size, width x height [pixels]", show_default="longer side 3600, pixels square"),
+    ] = None,
+    out: Out = Path("out"),
+    force: Annotated[
+        bool, typer.Option("--force", help="replace results that are there; allow another mesh than the layout's")
+    ] = False,
+) -> None:
+    """Write the cameras of a layout in the formats of other programs.
+
+    For COLMAP, nerfstudio (transforms), OpenCV, Blender and viewers of glTF (glb), or as a table (csv).
+
+    Example: camring export out/layout.json --format colmap,transforms --out out/
+    """
+    from experiments import command_export
+
+    command_export.run(layout, format, mesh, depth, detail, repair, resolution, out, force)
+
+
+@app.command()
 def site(
     name: Annotated[str | None, typer.Argument(help="name of a built-in site")] = None,
     depth: Depth = None,

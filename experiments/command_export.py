@@ -1,0 +1,64 @@
+"""camring export: a layout in the formats of other programs."""
+
+from pathlib import Path
+
+from experiments import layout_file
+from experiments.errors import InputError
+from experiments.exports import formats
+from experiments.exports.cameras import named_cameras, parse_resolution
+from experiments.inputs import Subject, subject
+from meshes import fingerprint
+
+
+def run(
+    layout: Path,
+    format: str,
+    mesh: str | None,
+    depth: float | None,
+    detail: str | None,
+    repair: bool,
+    resolution: str | None,
+    out: Path,
+    force: bool,
+) -> None:
+    """Read, check, write."""
+    if "mesh" in {word.strip().lower() for word in format.split(",")}:
+        raise InputError(
+            "--format: mesh is no format of cameras; the reconstructable and the coloured meshes are written by "
+            f"camring evaluate MESH --layout {layout} --out FOLDER, and by camring optimise --export mesh"
+        )
+    names = formats.parse_formats(format, "--format")
+    size = None if resolution is None else parse_resolution(resolution)
+    made = layout_file.read(layout)
+    shows_site = [name for name in names if formats.FORMATS[name].needs_site]
+    if mesh is None and shows_site:
+        origin = made.content.get("mesh")
+        hint = f", {origin['name']!r}," if isinstance(origin, dict) and "name" in origin else ""
+        raise InputError(
+            f"{shows_site[0]} shows the site with the cameras; give the mesh{hint} that the layout was made for, "
+            "as in --mesh scan.stl"
+        )
+    if mesh is not None and not shows_site:
+        wanted = " or ".join(name for name, chosen in formats.FORMATS.items() if chosen.needs_site)
+        raise InputError(f"--mesh is for {wanted} only; add it to --format, or leave --mesh out")
+    if mesh is None and (depth is not None or detail is not None or repair):
+        raise InputError("--depth, --detail and --repair say which mesh; give --mesh too, or leave them out")
+    site = None if mesh is None else _site(made, mesh, depth, detail, repair, force)
+    files = formats.prepare(out, names, force)
+    cameras = named_cameras(made.ring, made.angles, size)
+    formats.write(out, names, cameras, site)
+    width, height = cameras[0].size
+    print(f"{len(cameras)} camera{'s' if len(cameras) > 1 else ''}, {width} x {height} pixels each")
+    print(f"wrote {', '.join(str(out / file) for file in files)}")
+
+
+def _site(
+    made: layout_file.LayoutFile, mesh: str, depth: float | None, detail: str | None, repair: bool, force: bool
+) -> Subject:
+    site = subject(mesh, depth, detail, repair)
+    if made.mesh_hash not in (None, fingerprint(site.mesh)) and not force:
+        raise InputError(
+            f"{made.path} was made for {made.content['mesh'].get('name', 'a mesh')!r}, and {site.name} is not the same "
+            "mesh; give that one, or --force to show the cameras with this one"
+        )
+    return site
