@@ -19,7 +19,7 @@ from exact.surface import forget
 from experiments.files import output_folder, written_whole
 from experiments.paper_algorithm import t_view_area
 from experiments.progress import progress_stages
-from experiments.terminal import table, terminal
+from experiments.terminal import note, print_json, table, terminal
 from placement.sampled_site import faces_towards
 from placement.sampling import sample_surface
 
@@ -30,7 +30,7 @@ REPEATS = 5
 RING = exact.Ring()
 
 
-def run(out: Path, force: bool) -> None:
+def run(out: Path, force: bool, as_json: bool = False) -> None:
     """Measure, print, write a table and a picture."""
     output_folder(out, OUTPUTS, force)
     rows = []
@@ -38,16 +38,19 @@ def run(out: Path, force: bool) -> None:
         for number, measure in enumerate(MEASUREMENTS):
             progress(measure.__name__.strip("_").replace("_", " "), number, len(MEASUREMENTS))
             rows += measure()
-    shown = table("what", "value", "unit", "target")
-    for row in rows:
-        shown.add_row(*row)
-    terminal().print(shown)
+    if as_json:
+        print_json({"figures": [dict(zip(("what", "value", "unit", "target"), row, strict=True)) for row in rows]})
+    else:
+        shown = table("what", "value", "unit", "target")
+        for row in rows:
+            shown.add_row(*row)
+        terminal().print(shown)
     with written_whole(out / OUTPUTS[0]) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(("what", "value", "unit", "target"))
         writer.writerows(rows)
     _draw(out / OUTPUTS[1], rows)
-    print(f"wrote {out / OUTPUTS[0]}, {out / OUTPUTS[1]}")
+    note(f"wrote {out / OUTPUTS[0]}, {out / OUTPUTS[1]}")
 
 
 def _seconds(work: Callable[[], object], repeats: int = REPEATS) -> float:

@@ -1,7 +1,7 @@
 """camring bench sites: the reference sites against the areas published for the models they stand for."""
 
 import csv
-from dataclasses import astuple, dataclass, fields
+from dataclasses import asdict, astuple, dataclass, fields
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +11,7 @@ import meshes
 from experiments.files import output_folder, written_whole
 from experiments.progress import progress_stages
 from experiments.published import CAMERA_COUNTS, published_areas
-from experiments.terminal import table, terminal
+from experiments.terminal import note, print_json, table, terminal
 
 OUTPUTS = ("bench_sites.csv", "bench_sites.md")
 COUNTS = (2, 4, 6, 8, 16, 32)
@@ -38,7 +38,7 @@ class Row:
         return abs(self.ours - self.published) <= self.tolerance
 
 
-def run(out: Path, force: bool) -> None:
+def run(out: Path, force: bool, as_json: bool = False) -> None:
     """Measure, print and write a table."""
     output_folder(out, OUTPUTS, force)
     cases = [(name, depth, "36x24") for name in PAPER_SITES for depth in (50, 100)]
@@ -48,17 +48,21 @@ def run(out: Path, force: bool) -> None:
         for number, case in enumerate(cases):
             progress(f"{case[0]} {case[1]} mm, {case[2]}", number, len(cases))
             rows += compare(*case)
-    shown = table("site", "field of view", "what", "ours", "published", "may differ by", "")
-    for row in rows:
-        shown.add_row(*_cells(row))
-    terminal().print(shown)
+    if as_json:
+        print_json({"figures": [asdict(row) | {"holds": bool(row.holds)} for row in rows]})
+    else:
+        shown = table("site", "field of view", "what", "ours", "published", "may differ by", "")
+        for row in rows:
+            shown.add_row(*_cells(row))
+        terminal().print(shown)
+        print(f"{sum(row.holds for row in rows)} of {len(rows)} figures hold")
     with written_whole(out / OUTPUTS[0]) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow([field.name for field in fields(Row)] + ["holds"])
         writer.writerows([*astuple(row), row.holds] for row in rows)
     with written_whole(out / OUTPUTS[1]) as temporary:
         temporary.write_text(_markdown(rows), encoding="utf-8")
-    print(f"{sum(row.holds for row in rows)} of {len(rows)} figures hold; wrote {out / OUTPUTS[0]}, {out / OUTPUTS[1]}")
+    note(f"wrote {out / OUTPUTS[0]}, {out / OUTPUTS[1]}")
 
 
 def compare(name: str, depth: int, fov: str) -> list[Row]:

@@ -19,24 +19,81 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
-Mesh = Annotated[str, typer.Argument(help="STL, OBJ or PLY file [mm], or the name of a built-in site")]
+# Names for the shell to complete; here once more, since building the sites imports what `--help` must not wait for.
+SITES = (
+    "circ_flat", "circ_angled", "circ_artery", "circ_overhang", "elliptical",
+    "spine_disc", "cerebellopontine", "glioblastoma", "eye_anterior",
+)  # fmt: skip
+DETAILS = ("coarse", "middle", "fine")
+BENCHMARKS = ("exact", "sites")
+FORMATS = ("colmap", "transforms", "opencv", "glb", "csv")
+
+
+def completing(words: tuple[str, ...]):
+    """Completion of an option's or argument's words; the shell offers files where none of them fits."""
+    return lambda incomplete: [word for word in words if word.startswith(incomplete)]
+
+
+MESH_HELP = "STL, OBJ or PLY file [mm], or the name of a built-in site"
+Mesh = Annotated[str, typer.Argument(help=MESH_HELP, autocompletion=completing(SITES))]
 Depth = Annotated[float | None, typer.Option(help="depth of a built-in site [mm]", show_default="the site's first")]
-Detail = Annotated[str | None, typer.Option(help="size of a built-in site: coarse, middle or fine")]
-Repair = Annotated[bool, typer.Option("--repair", help="put right what can be: winding, faces without area")]
-Threshold = Annotated[int, typer.Option(help="number of cameras that must see a point")]
+Detail = Annotated[
+    str | None,
+    typer.Option(help="size of a built-in site: coarse, middle or fine", autocompletion=completing(DETAILS)),
+]
+Repair = Annotated[
+    bool | None,
+    typer.Option("--repair/--no-repair", help="put right what can be: winding, faces without area", show_default="no"),
+]
+Scale = Annotated[
+    float | None,
+    typer.Option(help="factor from the mesh file's unit to millimetres: 1000 for metres", show_default="1"),
+]
+RigFile = Annotated[
+    Path | None,
+    typer.Option("--rig", help="TOML file of settings, as camring rig init writes one; options given here win over it"),
+]
+Cameras = Annotated[int | None, typer.Option(help="number of cameras", show_default="4")]
+Threshold = Annotated[int | None, typer.Option(help="number of cameras that must see a point", show_default="2")]
 Fov = Annotated[
     str | None,
     typer.Option(help="field of view at the focus, width x height [mm]", show_default="36x24, or the site's own"),
 ]
-Diameter = Annotated[float, typer.Option(help="diameter of the ring [mm]")]
-Distance = Annotated[float, typer.Option(help="distance of the ring's plane from the focus [mm]")]
+Diameter = Annotated[float | None, typer.Option(help="diameter of the ring [mm]", show_default="30")]
+Distance = Annotated[
+    float | None, typer.Option(help="distance of the ring's plane from the focus [mm]", show_default="400")
+]
 Exclude = Annotated[
     str | None,
     typer.Option(
         help="faces that do not count: top (the top surface), none, or a file with one face index per line",
         show_default="top for built-in sites, none for files",
+        autocompletion=completing(("top", "none")),
     ),
 ]
+MinSeparation = Annotated[float | None, typer.Option(help="least distance between two cameras [mm]", show_default="5")]
+MinBaseline = Annotated[
+    float | None, typer.Option(help="least distance between two of the cameras that see a point [mm]", show_default="0")
+]
+MinAngle = Annotated[
+    float | None,
+    typer.Option(help="the same as an angle at the focus [degrees]; the stricter of both counts", show_default="0"),
+]
+Fixed = Annotated[
+    str | None,
+    typer.Option(help="ring angles of cameras that stay where they are, as in 0,90 [degrees]", show_default="none"),
+]
+Forbidden = Annotated[
+    str | None,
+    typer.Option(help="arcs without cameras, start:end, as in 60:90,200:230 [degrees]", show_default="none"),
+]
+Target = Annotated[
+    float | None,
+    typer.Option(
+        help="fraction of the ring maximum that must be reached, or the exit status is 1", show_default="none"
+    ),
+]
+Json = Annotated[bool, typer.Option("--json", help="results as one JSON document on stdout")]
 Out = Annotated[Path, typer.Option(help="folder for the results; it is made if need be")]
 Force = Annotated[bool, typer.Option("--force", help="replace results that are already there")]
 
@@ -44,20 +101,33 @@ Force = Annotated[bool, typer.Option("--force", help="replace results that are a
 @app.command()
 def optimise(
     mesh: Mesh,
-    cameras: Annotated[int, typer.Option(help="number of cameras")] = 4,
-    threshold: Threshold = 2,
-    min_separation: Annotated[float, typer.Option(help="least distance between two cameras [mm]")] = 5.0,
+    cameras: Cameras = None,
+    threshold: Threshold = None,
+    min_separation: MinSeparation = None,
+    min_baseline: MinBaseline = None,
+    min_angle_deg: MinAngle = None,
+    fixed_deg: Fixed = None,
+    forbidden_deg: Forbidden = None,
     fov: Fov = None,
-    diameter: Diameter = 30.0,
-    working_distance: Distance = 400.0,
+    diameter: Diameter = None,
+    working_distance: Distance = None,
     exclude: Exclude = None,
-    seed: Annotated[int, typer.Option(help="of the search; the same seed gives the same layout")] = 0,
-    certify: Annotated[bool, typer.Option(help="bound what any layout could reconstruct")] = True,
+    seed: Annotated[
+        int | None, typer.Option(help="of the search; the same seed gives the same layout", show_default="0")
+    ] = None,
+    certify: Annotated[
+        bool | None,
+        typer.Option("--certify/--no-certify", help="bound what any layout could reconstruct", show_default="certify"),
+    ] = None,
+    rig: RigFile = None,
     depth: Depth = None,
     detail: Detail = None,
-    repair: Repair = False,
+    repair: Repair = None,
+    scale: Scale = None,
+    target: Target = None,
     out: Out = Path("out"),
     force: Force = False,
+    json: Json = False,
 ) -> None:
     """Find where the cameras should sit, and compare with equidistant ones.
 
@@ -67,10 +137,14 @@ def optimise(
     """
     from experiments import command_optimise
 
-    command_optimise.run(
-        mesh, cameras, threshold, min_separation, fov, diameter, working_distance, exclude, seed, certify, depth,
-        detail, repair, out, force,
+    options = dict(
+        count=cameras, threshold=threshold, min_separation=min_separation, min_baseline=min_baseline,
+        min_angle_deg=min_angle_deg, fixed_deg=fixed_deg, forbidden_deg=forbidden_deg, fov=fov, diameter=diameter,
+        working_distance=working_distance, exclude=exclude, seed=seed, certify=certify, repair=repair, scale=scale,
     )  # fmt: skip
+    command_optimise.run(
+        mesh, rig, options, depth=depth, detail=detail, target=target, out=out, force=force, as_json=json
+    )
 
 
 @app.command()
@@ -78,46 +152,65 @@ def evaluate(
     mesh: Mesh,
     cameras: Annotated[int | None, typer.Option(help="that many equidistant cameras")] = None,
     angles_deg: Annotated[str | None, typer.Option(help="ring angles, separated by commas [degrees]")] = None,
-    layout: Annotated[Path | None, typer.Option(help="layout.json; it brings its own ring")] = None,
-    threshold: Annotated[int | None, typer.Option(help="number of cameras that must see a point [default: 2]")] = None,
-    min_baseline: Annotated[float, typer.Option(help="least distance of two cameras that see a point [mm]")] = 0.0,
-    fov: Fov = None,
-    diameter: Annotated[float | None, typer.Option(help="diameter of the ring [mm]", show_default="30")] = None,
-    working_distance: Annotated[
-        float | None, typer.Option(help="distance of the ring's plane from the focus [mm]", show_default="400")
+    layout: Annotated[
+        Path | None, typer.Option(help="layout.json; it brings its own ring, threshold and baseline")
     ] = None,
+    threshold: Threshold = None,
+    min_baseline: MinBaseline = None,
+    fov: Fov = None,
+    diameter: Diameter = None,
+    working_distance: Distance = None,
     exclude: Exclude = None,
+    rig: RigFile = None,
     depth: Depth = None,
     detail: Detail = None,
-    repair: Repair = False,
+    repair: Repair = None,
+    scale: Scale = None,
+    target: Target = None,
     out: Annotated[Path | None, typer.Option(help="folder for the reconstructable part as STL and PLY")] = None,
     force: Force = False,
+    json: Json = False,
 ) -> None:
     """Exact area that a given ring of cameras reconstructs.
 
-    Give the cameras in one of three ways: --cameras, --angles-deg or --layout.
+    Give the cameras in one of four ways: --cameras, --angles-deg, --layout, or their number in a --rig file.
 
     Example: camring evaluate scan.stl --angles-deg 0,90,180 --out out/
     """
     from experiments import command_evaluate
 
+    options = dict(
+        count=cameras, threshold=threshold, min_baseline=min_baseline, fov=fov, diameter=diameter,
+        working_distance=working_distance, exclude=exclude, repair=repair, scale=scale,
+    )  # fmt: skip
     command_evaluate.run(
-        mesh, cameras, angles_deg, layout, threshold, min_baseline, fov, diameter, working_distance, exclude, depth,
-        detail, repair, out, force,
+        mesh, rig, options, angles_deg=angles_deg, layout=layout, depth=depth, detail=detail, target=target, out=out,
+        force=force, as_json=json,
     )  # fmt: skip
 
 
 @app.command()
 def compare(
     layouts: Annotated[list[Path], typer.Argument(help="two or more layout.json files")],
-    mesh: Annotated[str, typer.Option(help="STL, OBJ or PLY file [mm], or the name of a built-in site")],
-    threshold: Annotated[int | None, typer.Option(help="number of cameras that must see a point [default: 2]")] = None,
+    mesh: Annotated[str, typer.Option(help=MESH_HELP, autocompletion=completing(SITES))],
+    threshold: Annotated[
+        int | None, typer.Option(help="number of cameras that must see a point", show_default="the first layout's")
+    ] = None,
+    min_baseline: Annotated[
+        float | None,
+        typer.Option(
+            help="least distance between two of the cameras that see a point [mm]",
+            show_default="the greatest of the layouts'",
+        ),
+    ] = None,
     exclude: Exclude = None,
     depth: Depth = None,
     detail: Detail = None,
     repair: Repair = False,
+    scale: Scale = 1.0,
     out: Annotated[Path | None, typer.Option(help="folder for layouts.csv and coverage.png")] = None,
     force: Force = False,
+    json: Json = False,
 ) -> None:
     """Score several layouts on the same mesh.
 
@@ -125,21 +218,32 @@ def compare(
     """
     from experiments import command_compare
 
-    command_compare.run(layouts, mesh, threshold, exclude, depth, detail, repair, out, force)
+    command_compare.run(
+        layouts, mesh, threshold=threshold, min_baseline=min_baseline, exclude=exclude, depth=depth, detail=detail,
+        repair=bool(repair), scale=1.0 if scale is None else scale, out=out, force=force, as_json=json,
+    )  # fmt: skip
 
 
 @app.command()
 def export(
     layout: Annotated[Path, typer.Argument(help="layout.json")],
     format: Annotated[
-        str, typer.Option(help="one or more of colmap, transforms, opencv, glb, csv, separated by commas")
+        str,
+        typer.Option(
+            help="one or more of colmap, transforms, opencv, glb, csv, separated by commas",
+            autocompletion=completing(FORMATS),
+        ),
     ],
     mesh: Annotated[
-        str | None, typer.Option(help="the mesh the layout was made for, which glb shows: a file, or a built-in site")
+        str | None,
+        typer.Option(
+            help="the mesh the layout was made for, which glb shows: a file, or a built-in site",
+            autocompletion=completing(SITES),
+        ),
     ] = None,
     depth: Depth = None,
     detail: Detail = None,
-    repair: Repair = False,
+    repair: Repair = None,
     resolution: Annotated[
         str | None,
         typer.Option(help="image size, width x height [pixels]", show_default="longer side 3600, pixels square"),
@@ -148,6 +252,7 @@ def export(
     force: Annotated[
         bool, typer.Option("--force", help="replace results that are there; allow another mesh than the layout's")
     ] = False,
+    json: Json = False,
 ) -> None:
     """Write the cameras of a layout in the formats of other programs.
 
@@ -157,18 +262,21 @@ def export(
     """
     from experiments import command_export
 
-    command_export.run(layout, format, mesh, depth, detail, repair, resolution, out, force)
+    command_export.run(layout, format, mesh, depth, detail, bool(repair), resolution, out, force, as_json=json)
 
 
 @app.command()
 def site(
-    name: Annotated[str | None, typer.Argument(help="name of a built-in site")] = None,
+    name: Annotated[
+        str | None, typer.Argument(help="name of a built-in site", autocompletion=completing(SITES))
+    ] = None,
     depth: Depth = None,
     detail: Detail = None,
     listing: Annotated[bool, typer.Option("--list", help="list the built-in sites")] = False,
     out: Annotated[Path | None, typer.Option(help="mesh file to write: .stl, .ply or .obj")] = None,
     gallery: Annotated[Path | None, typer.Option(help="picture of all sites, cut open, to write: .png")] = None,
     force: Force = False,
+    json: Json = False,
 ) -> None:
     """Write a built-in reference site to a mesh file, list them, or draw them all.
 
@@ -176,7 +284,7 @@ def site(
     """
     from experiments import command_site
 
-    command_site.run(name, depth, detail, listing, out, gallery, force)
+    command_site.run(name, depth, detail, listing, out, gallery, force, json)
 
 
 @app.command()
@@ -185,11 +293,13 @@ def bench(
         str,
         typer.Argument(
             help="exact: the exact evaluator, its accuracy and speed; "
-            "sites: the reference sites against the published areas"
+            "sites: the reference sites against the published areas",
+            autocompletion=completing(BENCHMARKS),
         ),
     ],
     out: Out = Path("out"),
     force: Force = False,
+    json: Json = False,
 ) -> None:
     """Measure how right and how fast camring is on this machine; takes minutes.
 
@@ -198,31 +308,51 @@ def bench(
     if what == "exact":
         from experiments import bench_exact
 
-        bench_exact.run(out, force)
+        bench_exact.run(out, force, json)
     elif what == "sites":
         from experiments import bench_sites
 
-        bench_sites.run(out, force)
+        bench_sites.run(out, force, json)
     else:
         from experiments.errors import InputError
 
         raise InputError(f"there is no benchmark {what!r}; choose exact or sites")
 
 
+rig_app = typer.Typer(help="Rig files: all settings of a request, for --rig.", no_args_is_help=True)
+app.add_typer(rig_app, name="rig")
+
+
+@rig_app.callback()
+def rig() -> None:
+    """Rig files: all settings of a request, for --rig."""
+
+
+@rig_app.command("init")
+def rig_init(
+    path: Annotated[Path, typer.Argument(help="file to write")] = Path("rig.toml"),
+    force: Force = False,
+) -> None:
+    """Write a commented rig file that holds every setting with its default and unit.
+
+    Example: camring rig init rig.toml
+    """
+    from experiments import command_rig
+
+    command_rig.init(path, force)
+
+
 def main(arguments: list[str] | None = None) -> None:
-    """Run `camring`; a request that cannot be met ends with one message and exit status 2."""
+    """Run `camring` and exit: 0; 1 if a target was missed; 2, with one message, if the request cannot be met."""
     try:
         app(arguments, prog_name="camring")
-    except ValueError as error:
-        from experiments.refusals import is_refusal
-
-        if not is_refusal(error):
-            raise
-        print(f"camring: {error}", file=sys.stderr)
-        sys.exit(2)
     except KeyboardInterrupt:
         print("camring: interrupted", file=sys.stderr)
         sys.exit(130)
+    except Exception as error:
+        from experiments.refusals import say
+
+        sys.exit(say(error))
 
 
 if __name__ == "__main__":

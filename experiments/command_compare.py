@@ -1,6 +1,7 @@
 """camring compare: several layouts scored on the same mesh."""
 
 from pathlib import Path
+from typing import Any
 
 import exact
 import placement
@@ -11,7 +12,7 @@ from experiments.errors import InputError
 from experiments.files import output_folder
 from experiments.inputs import exclusion, subject
 from experiments.progress import progress_bar
-from experiments.terminal import terminal
+from experiments.terminal import note, print_json, terminal
 
 OUTPUTS = ("layouts.csv", "coverage.png")
 # Equidistant cameras whose exact area is the ring maximum (Wachter 2021, Table A1).
@@ -21,13 +22,17 @@ RING_CAMERAS = placement.Settings().ring_cameras
 def run(
     layouts: list[Path],
     mesh: str,
+    *,
     threshold: int | None,
+    min_baseline: float | None,
     exclude: str | None,
     depth: float | None,
     detail: str | None,
     repair: bool,
+    scale: float,
     out: Path | None,
     force: bool,
+    as_json: bool,
 ) -> None:
     """Score, print and write."""
     if len(layouts) < 2:
@@ -40,7 +45,9 @@ def run(
                 "areas and fractions compare on one ring only: score each with camring evaluate --layout"
             )
     threshold = read[0].threshold if threshold is None else threshold
-    about = subject(mesh, depth, detail, repair)
+    # One demand for all, or their areas would not compare: the strictest that any of them was made for.
+    baseline = max(one.min_baseline for one in read) if min_baseline is None else min_baseline
+    about = subject(mesh, depth, detail, repair, scale)
     excluded = exclusion(about, exclude)
     if out is not None:
         output_folder(out, OUTPUTS, force)
@@ -49,7 +56,7 @@ def run(
 
         def area(angles) -> float:
             cameras = rig.cameras(angles)
-            result = exact.evaluate(about.mesh, cameras, threshold, excluded.mask, report=advance)
+            result = exact.evaluate(about.mesh, cameras, threshold, excluded.mask, baseline, report=advance)
             refuse_unseen(about.name, result)
             return result.area
 
@@ -59,12 +66,25 @@ def run(
         spread = placement.triangulation(about.mesh, rig, one.angles, threshold, excluded.mask)
         gain = None if one is read[0] else (found - areas[0]) / maximum
         rows.append(layout_table.row(str(one.path), one.angles, found, maximum, gain, spread))
-    console = terminal()
-    console.print(
-        f"{about.name}: {len(about.mesh.faces)} faces; not counted: {excluded.words}\n"
-        f"ring maximum ({RING_CAMERAS} cameras): {maximum:.2f} mm²",
-    )
-    console.print(layout_table.layout_table(rows, "the first"))
+    content: dict[str, Any] = {
+        "mesh": {"name": about.name, "excluded": excluded.words, "scale": scale},
+        "ring": layout_file.ring_content(rig),
+        "threshold": threshold,
+        "min_baseline_mm": baseline,
+        "ring_maximum_mm2": maximum,
+        "layouts": [layout_table.figures(row) for row in rows],
+    }
+    if as_json:
+        print_json(content)
+    else:
+        apart = f", two of them at least {baseline:.4g} mm apart" if baseline > 0 else ""
+        console = terminal()
+        console.print(
+            f"{about.name}: {len(about.mesh.faces)} faces; not counted: {excluded.words}\n"
+            f"ring maximum ({RING_CAMERAS} cameras): {maximum:.2f} mm²; a point counts when at least {threshold} "
+            f"cameras see it{apart}",
+        )
+        console.print(layout_table.layout_table(rows, "the first"))
     if out is None:
         return
     layout_table.write_csv(out / OUTPUTS[0], rows)
@@ -73,4 +93,4 @@ def run(
         for row in rows
     ]
     write_coverage(out / OUTPUTS[1], about.name, about.mesh, rig, panels, threshold, excluded.mask)
-    console.print(f"wrote {', '.join(str(out / name) for name in OUTPUTS)}")
+    note(f"wrote {', '.join(str(out / name) for name in OUTPUTS)}")

@@ -1,91 +1,139 @@
 """camring evaluate: the exact area that a given set of ring cameras reconstructs."""
 
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 import exact
-from experiments import layout_file
+from experiments import layout_file, rig_file
 from experiments.errors import InputError
 from experiments.files import output_folder, written_whole
-from experiments.inputs import exclusion, parse_angles, ring, subject
+from experiments.inputs import Request, request
 from experiments.progress import progress_bar
-from experiments.terminal import table, terminal
+from experiments.target import checked_target, reach
+from experiments.terminal import note, print_json, table, terminal
+from experiments.words import parse_angles
 from meshes import fingerprint
 
 OUTPUTS = ("reconstructable.stl", "reconstructable.ply", "evaluation.json")
+RING_OPTIONS = ("fov", "diameter", "working_distance")
+
+
+@dataclass(frozen=True, eq=False)
+class _Cameras:
+    """Cameras on a ring, and when a point that they see counts."""
+
+    ring: exact.Ring
+    angles: np.ndarray
+    threshold: int
+    min_baseline: float
 
 
 def run(
     mesh: str,
-    n_cameras: int | None,
+    rig_path: Path | None,
+    options: dict[str, Any],
+    *,
     angles_deg: str | None,
     layout: Path | None,
-    threshold: int | None,
-    min_baseline: float,
-    fov: str | None,
-    diameter: float | None,
-    working_distance: float | None,
-    exclude: str | None,
     depth: float | None,
     detail: str | None,
-    repair: bool,
+    target: float | None,
     out: Path | None,
     force: bool,
+    as_json: bool,
 ) -> None:
-    """Evaluate, print and write."""
-    if sum(choice is not None for choice in (n_cameras, angles_deg, layout)) != 1:
-        raise InputError("give the cameras in exactly one way: --cameras N, --angles-deg 0,90,180 or --layout FILE")
-    if layout is not None and (fov, diameter, working_distance) != (None, None, None):
-        raise InputError("a layout brings its own ring; leave --fov, --diameter and --working-distance out")
-    about = subject(mesh, depth, detail, repair)
-    if layout is not None:
-        made = layout_file.read(layout)
-        rig, angles = made.ring, made.angles
-        threshold = made.threshold if threshold is None else threshold
-        if made.mesh_hash not in (None, fingerprint(about.mesh)):
-            terminal(stderr=True).print(f"note: {layout} was made for another mesh")
-    else:
-        rig = ring(
-            about, fov, 30.0 if diameter is None else diameter, 400.0 if working_distance is None else working_distance
+    """Evaluate, print and write; `options` are those of the rig, by the names of their keys."""
+    checked_target(target)
+    ways = [way is not None for way in (options["count"], angles_deg, layout)]
+    if sum(ways) > 1 or (not any(ways) and rig_path is None):
+        raise InputError(
+            "give the cameras in exactly one way: --cameras N, --angles-deg 0,90,180, --layout FILE, or --rig FILE "
+            "with their number"
         )
-        angles = parse_angles(angles_deg) if angles_deg is not None else rig.equidistant(n_cameras or 0)
-    threshold = 2 if threshold is None else threshold
-    excluded = exclusion(about, exclude)
+    if layout is not None and (rig_path is not None or any(options[name] is not None for name in RING_OPTIONS)):
+        raise InputError("a layout brings its own ring; leave --rig, --fov, --diameter and --working-distance out")
+    asked = request(mesh, depth, detail, rig_file.rig(rig_path, **options))
+    if layout is not None:
+        cameras = _from_layout(layout, asked, options)
+    else:
+        listed = angles_deg is not None
+        angles = np.radians(parse_angles(angles_deg)) if listed else asked.ring.equidistant(asked.rig.n_cameras)
+        cameras = _Cameras(asked.ring, angles, asked.rig.threshold, asked.rig.constraints.baseline(asked.ring))
     if out is not None:
         output_folder(out, OUTPUTS, force)
-    cameras = rig.cameras(angles)
-    with progress_bar("evaluating", 2 * len(cameras)) as advance:
-        result = exact.evaluate(about.mesh, cameras, threshold, excluded.mask, min_baseline, report=advance)
+    result, content = _evaluate(asked, cameras, with_maximum=target is not None)
+    if as_json:
+        print_json(content)
+    else:
+        _print(asked, cameras.angles, result, content)
+    if out is not None:
+        _write(out, result, content)
+    if target is not None:
+        reach(target, content["fraction_of_ring_maximum"], f"these {len(cameras.angles)} cameras")
+
+
+def _from_layout(path: Path, asked: Request, options: dict[str, Any]) -> _Cameras:
+    """What the file says, where no option says something else."""
+    made = layout_file.read(path)
+    if made.mesh_hash not in (None, fingerprint(asked.about.mesh)):
+        note(f"note: {path} was made for another mesh")
+    threshold = made.threshold if options["threshold"] is None else options["threshold"]
+    asked_for = options["min_baseline"] is not None
+    baseline = asked.rig.constraints.baseline(made.ring) if asked_for else made.min_baseline
+    return _Cameras(made.ring, made.angles, threshold, baseline)
+
+
+def _evaluate(asked: Request, given: _Cameras, with_maximum: bool) -> tuple[exact.Reconstruction, dict[str, Any]]:
+    """The reconstruction, and all figures as they stand in evaluation.json."""
+    mesh, excluded = asked.about.mesh, asked.excluded.mask
+    cameras = given.ring.cameras(given.angles)
+    n_ring = asked.rig.settings.ring_cameras if with_maximum else 0
+    with progress_bar("evaluating", 2 * len(cameras) + n_ring) as advance:
+        result = exact.evaluate(mesh, cameras, given.threshold, excluded, given.min_baseline, report=advance)
         single = []
         for camera in cameras:
-            single.append(exact.evaluate(about.mesh, [camera], 1, excluded.mask).area)
+            single.append(exact.evaluate(mesh, [camera], 1, excluded).area)
             advance(1)
-    refuse_unseen(about.name, result)
-    _print(about, excluded.words, angles, result, single)
-    if out is None:
-        return
+        refuse_unseen(asked.about.name, result)
+        maximum = None
+        if with_maximum:
+            around = given.ring.cameras(given.ring.equidistant(n_ring))
+            maximum = exact.evaluate(mesh, around, given.threshold, excluded, given.min_baseline, report=advance).area
     content = {
-        "mesh": {"name": about.name, "sha256": fingerprint(about.mesh), "excluded": excluded.words},
-        "ring": layout_file.ring_content(rig),
-        "angles_rad": angles.tolist(),
-        "angles_deg": np.degrees(angles).tolist(),
-        "threshold": threshold,
-        "min_baseline_mm": min_baseline,
+        "mesh": {
+            "name": asked.about.name,
+            "sha256": fingerprint(mesh),
+            "excluded": asked.excluded.words,
+            "scale": asked.rig.scale,
+        },
+        "ring": layout_file.ring_content(given.ring),
+        "angles_rad": given.angles.tolist(),
+        "angles_deg": np.degrees(given.angles).tolist(),
+        "threshold": given.threshold,
+        "min_baseline_mm": given.min_baseline,
         "area_mm2": result.area,
         "level_areas_mm2": result.level_areas.tolist(),
         "camera_areas_mm2": single,
         "repairs": result.repairs,
     }
+    if maximum is not None:
+        content |= {"ring_maximum_mm2": maximum, "fraction_of_ring_maximum": result.area / maximum if maximum else 0.0}
+    return result, content
+
+
+def _write(out: Path, result: exact.Reconstruction, content: dict[str, Any]) -> None:
     layout_file.write(out / "evaluation.json", content)
     part = result.to_mesh()
     if not len(part.faces):
-        print(f"wrote {out / 'evaluation.json'}; nothing is reconstructable, so there is no mesh to write")
+        note(f"wrote {out / 'evaluation.json'}; nothing is reconstructable, so there is no mesh to write")
         return
     for name in OUTPUTS[:2]:
         with written_whole(out / name) as temporary:
             part.export(temporary)
-    print(f"wrote {', '.join(str(out / name) for name in OUTPUTS)}")
+    note(f"wrote {', '.join(str(out / name) for name in OUTPUTS)}")
 
 
 def refuse_unseen(name: str, result: exact.Reconstruction) -> None:
@@ -93,13 +141,14 @@ def refuse_unseen(name: str, result: exact.Reconstruction) -> None:
     if result.level_areas[0] == 0.0:
         raise InputError(
             f"no camera sees any part of {name} that counts; check that it lies at the focus (the origin), "
-            "inside the field of view, with its normals towards the cameras, and that its unit is millimetres"
+            "inside the field of view, with its normals towards the cameras, and that its unit is millimetres "
+            "(--scale)"
         )
 
 
-def _print(about, excluded: str, angles: np.ndarray, result: exact.Reconstruction, single: list[float]) -> None:
+def _print(asked: Request, angles: np.ndarray, result: exact.Reconstruction, content: dict[str, Any]) -> None:
     console = terminal()
-    console.print(f"{about.name}: {len(about.mesh.faces)} faces; not counted: {excluded}")
+    console.print(f"{asked.about.name}: {len(asked.about.mesh.faces)} faces; not counted: {asked.excluded.words}")
     shown = table("seen by", "exact area [mm²]")
     for level, area in enumerate(result.level_areas, start=1):
         who = "at least 1 camera" if level == 1 else f"at least {level} cameras"
@@ -111,10 +160,15 @@ def _print(about, excluded: str, angles: np.ndarray, result: exact.Reconstructio
         )
     console.print(shown)
     shown = table("camera", "ring angle [degrees]", "exact area [mm²]")
-    for number, (angle, area) in enumerate(zip(angles, single, strict=True), start=1):
+    for number, (angle, area) in enumerate(zip(angles, content["camera_areas_mm2"], strict=True), start=1):
         shown.add_row(str(number), f"{np.degrees(angle):.3f}", f"{area:.4f}")
     if len(angles) <= 32:
         console.print(shown)
+    if "ring_maximum_mm2" in content:
+        console.print(
+            f"ring maximum ({asked.rig.settings.ring_cameras} cameras): {content['ring_maximum_mm2']:.4f} mm², of "
+            f"which {100 * content['fraction_of_ring_maximum']:.2f} % are reconstructable"
+        )
     console.print(f"reconstructable area: {result.area:.4f} mm²")
     if result.repairs:
         console.print(f"{result.repairs} steps had to be done in the robust way")

@@ -7,6 +7,7 @@ from experiments.errors import InputError
 from experiments.exports import formats
 from experiments.exports.cameras import named_cameras, parse_resolution
 from experiments.inputs import Subject, subject
+from experiments.terminal import note, print_json
 from meshes import fingerprint
 
 
@@ -20,6 +21,7 @@ def run(
     resolution: str | None,
     out: Path,
     force: bool,
+    as_json: bool = False,
 ) -> None:
     """Read, check, write."""
     if "mesh" in {word.strip().lower() for word in format.split(",")}:
@@ -48,14 +50,20 @@ def run(
     cameras = named_cameras(made.ring, made.angles, size)
     formats.write(out, names, cameras, site)
     width, height = cameras[0].size
-    print(f"{len(cameras)} camera{'s' if len(cameras) > 1 else ''}, {width} x {height} pixels each")
-    print(f"wrote {', '.join(str(out / file) for file in files)}")
+    if as_json:
+        names = [camera.name for camera in cameras]
+        print_json({"cameras": names, "resolution_px": [width, height], "files": [str(out / file) for file in files]})
+    else:
+        print(f"{len(cameras)} camera{'s' if len(cameras) > 1 else ''}, {width} x {height} pixels each")
+    note(f"wrote {', '.join(str(out / file) for file in files)}")
 
 
 def _site(
     made: layout_file.LayoutFile, mesh: str, depth: float | None, detail: str | None, repair: bool, force: bool
 ) -> Subject:
-    site = subject(mesh, depth, detail, repair)
+    origin = made.content.get("mesh")
+    scale = origin.get("scale", 1.0) if isinstance(origin, dict) else 1.0  # the file's unit in millimetres
+    site = subject(mesh, depth, detail, repair, scale)
     if made.mesh_hash not in (None, fingerprint(site.mesh)) and not force:
         raise InputError(
             f"{made.path} was made for {made.content['mesh'].get('name', 'a mesh')!r}, and {site.name} is not the same "

@@ -1,70 +1,85 @@
 """camring optimise: propose a layout, compare it with equidistant ones, write and draw it."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import trimesh
 
 import placement
-from experiments import layout_file, layout_table
+from experiments import layout_file, layout_table, rig_file
 from experiments.coverage_figure import Panel, write_coverage
 from experiments.files import output_folder
-from experiments.inputs import exclusion, ring, subject
+from experiments.inputs import Request, request
 from experiments.progress import progress_stages
-from experiments.terminal import terminal
+from experiments.target import checked_target, reach
+from experiments.terminal import note, print_json, terminal
 
 OUTPUTS = ("layout.json", "layouts.csv", "coverage.png")
 
 
 def run(
     mesh: str,
-    n_cameras: int,
-    threshold: int,
-    min_separation: float,
-    fov: str | None,
-    diameter: float,
-    working_distance: float,
-    exclude: str | None,
-    seed: int,
-    certify: bool,
+    rig_path: Path | None,
+    options: dict[str, Any],
+    *,
     depth: float | None,
     detail: str | None,
-    repair: bool,
+    target: float | None,
     out: Path,
     force: bool,
+    as_json: bool,
 ) -> None:
-    """Optimise, print and write."""
-    about = subject(mesh, depth, detail, repair)
-    excluded = exclusion(about, exclude)
-    rig = ring(about, fov, diameter, working_distance)
-    constraints = placement.Constraints(min_separation=min_separation)
+    """Optimise, print and write; `options` are those of the rig, by the names of their keys."""
+    checked_target(target)
+    asked = request(mesh, depth, detail, rig_file.rig(rig_path, **options))
     output_folder(out, OUTPUTS, force)
     with progress_stages() as progress:
         result = placement.optimise(
-            about.mesh,
-            rig,
-            n_cameras,
-            threshold,
-            excluded.mask,
-            constraints,
-            seed=seed,
+            asked.about.mesh,
+            asked.ring,
+            asked.rig.n_cameras,
+            asked.rig.threshold,
+            asked.excluded.mask,
+            asked.rig.constraints,
+            asked.rig.settings,
+            seed=asked.rig.seed,
             progress=progress,
-            certify=certify,
+            certify=asked.rig.certify,
         )
         progress("drawing", 0, 1)
-        layout_file.write(out / OUTPUTS[0], layout_file.placement_content(result, about.name, excluded.words))
-        rows = _rows(result, about.mesh, excluded.mask)
+        content = layout_file.placement_content(result, asked.about.name, asked.excluded.words)
+        content["mesh"]["scale"] = asked.rig.scale
+        layout_file.write(out / OUTPUTS[0], content)
+        rows = _rows(result, asked.about.mesh, asked.excluded.mask)
         layout_table.write_csv(out / OUTPUTS[1], rows)
-        panels = [
-            Panel(row.name, row.angles, f"{row.area:.1f} mm², {100 * row.fraction:.2f} % of the ring maximum")
-            for row in (rows[0], rows[-1])
-        ]
-        write_coverage(out / OUTPUTS[2], about.name, about.mesh, rig, panels, threshold, excluded.mask)
+        _draw(out / OUTPUTS[2], asked, rows)
+    if as_json:
+        print_json(content | {"layouts": [layout_table.figures(row) for row in rows]})
+    else:
+        _print(asked, result, rows)
+    note(f"wrote {', '.join(str(out / name) for name in OUTPUTS)}")
+    reach(target, result.fraction, f"the optimised {asked.rig.n_cameras} cameras")
+
+
+def _draw(path: Path, asked: Request, rows: list[layout_table.Row]) -> None:
+    panels = [
+        Panel(row.name, row.angles, f"{row.area:.1f} mm², {100 * row.fraction:.2f} % of the ring maximum")
+        for row in (rows[0], rows[-1])
+    ]
+    write_coverage(
+        path, asked.about.name, asked.about.mesh, asked.ring, panels, asked.rig.threshold, asked.excluded.mask
+    )
+
+
+def _print(asked: Request, result: placement.Placement, rows: list[layout_table.Row]) -> None:
     console = terminal()
+    baseline = result.constraints.baseline(result.ring)
+    apart = f", two of them at least {baseline:.4g} mm apart" if baseline > 0 else ""
     console.print(
-        f"{about.name}: {len(about.mesh.faces)} faces; not counted: {excluded.words}\n"
+        f"{asked.about.name}: {len(asked.about.mesh.faces)} faces; not counted: {asked.excluded.words}\n"
         f"ring maximum ({result.settings.ring_cameras} cameras): {result.ring_area:.2f} mm²; a point counts when at "
-        f"least {threshold} of the {n_cameras} cameras see it",
+        f"least {result.threshold} of the {result.n_cameras} cameras see it{apart}",
     )
     console.print(layout_table.layout_table(rows, "equidistant"))
     console.print(
@@ -72,7 +87,6 @@ def run(
     )
     if result.certificate is not None:
         console.print(result.certificate.statement)
-    console.print(f"wrote {', '.join(str(out / name) for name in OUTPUTS)}")
 
 
 def _rows(result: placement.Placement, mesh: trimesh.Trimesh, excluded: np.ndarray) -> list[layout_table.Row]:

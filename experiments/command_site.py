@@ -6,7 +6,7 @@ import meshes
 from experiments.errors import InputError
 from experiments.files import output_file, written_whole
 from experiments.inputs import subject
-from experiments.terminal import table, terminal
+from experiments.terminal import print_json, table, terminal
 
 
 def run(
@@ -17,12 +17,22 @@ def run(
     out: Path | None,
     gallery: Path | None,
     force: bool,
+    as_json: bool = False,
 ) -> None:
     """List the sites, draw them all, or write one."""
     if gallery is not None:
         if name is not None or depth is not None or out is not None or listing:
             raise InputError("--gallery draws all sites; leave out NAME, --depth, --out and --list, or leave it out")
         _draw_gallery(gallery, detail or "middle", force)
+        return
+    if as_json and not listing:
+        raise InputError("--json is for --list; leave it out, or give --list")
+    if listing and as_json:
+        sites = [
+            {"name": site.name, "depths_mm": site.depths, "fov_mm": site.fov, "title": site.title}
+            for site in meshes.SITES.values()
+        ]
+        print_json({"sites": sites, "details": meshes.DETAILS})
         return
     if listing:
         shown = table("site", "depths [mm]", "field of view [mm]", "what it shows")

@@ -3,3 +3,7 @@
 
 class InputError(ValueError):
     """A request that cannot be carried out: says what was got, what is needed, what to do. Exit status 2."""
+
+
+class TargetMissed(Exception):
+    """A command ran and its results are out, but they fall short of what was asked for. Exit status 1."""

@@ -1,8 +1,9 @@
 """From the words of a command line to meshes, rings and masks."""
 
-import re
+import warnings
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 import trimesh
@@ -11,6 +12,13 @@ import exact
 import meshes
 from experiments.errors import InputError
 from experiments.progress import working
+from experiments.terminal import note
+
+if TYPE_CHECKING:  # at run time it would bring jax along, which a mesh alone does not need
+    from experiments.rig_file import Rig
+
+# Mesh files say nothing about it: the field of view of Wachter 2021 [mm].
+USUAL_FOV = (36.0, 24.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,14 +42,25 @@ class Subject:
     fov: tuple[float, float]
 
 
-def subject(name: str, depth: float | None, detail: str | None, repair: bool = False) -> Subject:
+def subject(name: str, depth: float | None, detail: str | None, repair: bool = False, scale: float = 1.0) -> Subject:
     """A mesh file, or a built-in site if there is no such file.
+
+    Parameters
+    ----------
+    name : str
+        Path of an STL, OBJ or PLY file, or name of a site.
+    depth, detail : float or None, str or None
+        Of a built-in site.
+    repair, scale : bool, float
+        How to load a file: see `meshes.load`. What is odd about it, but no fault, is said on stderr.
 
     Raises
     ------
     InputError, meshes.MeshError
     """
     if name in meshes.SITES and not Path(name).exists():
+        if scale != 1.0:
+            raise InputError(f"the built-in site {name} is in millimetres; leave the scale of {scale:g} out")
         site = meshes.SITES[name]
         depth = site.depths[0] if depth is None else depth
         with working(f"building {name}"):
@@ -57,48 +76,12 @@ def subject(name: str, depth: float | None, detail: str | None, repair: bool = F
             f"{name}: neither a file nor a built-in site; give the path of an STL, OBJ or PLY file, "
             f"or one of {', '.join(meshes.SITES)}"
         )
-    return Subject(Path(name).name, meshes.load(name, repair=repair), False, (36.0, 24.0))
-
-
-def parse_fov(text: str) -> tuple[float, float]:
-    """Width x height in millimetres.
-
-    Examples
-    --------
-    >>> parse_fov("36x24")
-    (36.0, 24.0)
-    """
-    match = re.fullmatch(r"\s*([0-9.]+)\s*[x×]\s*([0-9.]+)\s*", text)
-    try:
-        width, height = (float(part) for part in match.groups()) if match else (0.0, 0.0)
-    except ValueError:
-        width = height = 0.0
-    if width <= 0 or height <= 0:
-        raise InputError(f"--fov is {text!r}; it must be width x height in millimetres, both positive, as in 36x24")
-    return width, height
-
-
-def parse_angles(text: str) -> np.ndarray:
-    """Ring angles in degrees, separated by commas: (M,) radians.
-
-    Examples
-    --------
-    >>> np.degrees(parse_angles("0, 90,180")).tolist()
-    [0.0, 90.0, 180.0]
-    """
-    try:
-        degrees = np.array([float(part) for part in text.split(",")])
-    except ValueError as error:
-        raise InputError(f"--angles-deg is {text!r}; it must be numbers separated by commas, as in 0,90,180") from error
-    if not np.isfinite(degrees).all():
-        raise InputError(f"--angles-deg is {text!r}; every angle must be finite")
-    return np.radians(degrees)
-
-
-def ring(about: Subject, fov: str | None, diameter: float, working_distance: float) -> exact.Ring:
-    """The ring of a request; without `fov` the one recommended for the site."""
-    size = about.fov if fov is None else parse_fov(fov)
-    return exact.Ring(diameter=diameter, working_distance=working_distance, fov=size)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", meshes.MeshWarning)
+        mesh = meshes.load(name, repair=repair, scale=scale)
+    for warning in caught:
+        note(f"warning: {warning.message}")
+    return Subject(Path(name).name, mesh, False, USUAL_FOV)
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,3 +122,31 @@ def exclusion(about: Subject, choice: str | None) -> Exclusion:
             )
         mask[int(word)] = True
     return Exclusion(mask, f"{mask.sum()} faces listed in {choice}, {mesh.area_faces[mask].sum():.2f} mm²")
+
+
+@dataclass(frozen=True, eq=False)
+class Request:
+    """One surface with the ring over it, all words understood."""
+
+    about: Subject
+    excluded: Exclusion
+    ring: exact.Ring
+    rig: "Rig"
+
+
+def request(name: str, depth: float | None, detail: str | None, rig: "Rig") -> Request:
+    """What a command is about: the mesh or site `name` under the ring of `rig` (see `rig_file.rig`).
+
+    Raises
+    ------
+    InputError, meshes.MeshError, exact.ExactError
+
+    Examples
+    --------
+    >>> from experiments import rig_file
+    >>> asked = request("circ_flat", None, "coarse", rig_file.rig(diameter=20.0))
+    >>> asked.about.name, asked.ring.diameter, bool(asked.excluded.mask.any())
+    ('circ_flat, depth 50 mm', 20.0, True)
+    """
+    about = subject(name, depth, detail, rig.repair, rig.scale)
+    return Request(about, exclusion(about, rig.exclude), rig.ring(about.fov), rig)

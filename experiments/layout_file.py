@@ -1,13 +1,14 @@
 """The file `layout.json`: a ring and where its cameras sit, with the exact areas and all that repeats them."""
 
 import json
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 import exact
+import placement
 from experiments.errors import InputError
 from experiments.files import written_whole
 
@@ -17,12 +18,13 @@ VERSION = 1
 
 @dataclass(frozen=True, eq=False)
 class LayoutFile:
-    """What is read back from a layout file; `content` is the whole of it."""
+    """What is read back from a layout file; `min_baseline` [mm] is that of its constraints, `content` all of it."""
 
     path: Path
     ring: exact.Ring
     angles: np.ndarray
     threshold: int
+    min_baseline: float
     content: dict[str, Any]
 
     @property
@@ -128,12 +130,22 @@ def read(path: Path) -> LayoutFile:
         )
         angles = _angles(content)
         made.positions(angles)
-    except (exact.ExactError, InputError) as error:
+        min_baseline = _constraints(content).baseline(made)
+    except (exact.ExactError, placement.PlacementError, InputError) as error:
         raise InputError(f"{path}: {error}") from error
     threshold = content.get("threshold", 2)
     if isinstance(threshold, bool) or not isinstance(threshold, int) or not 1 <= threshold <= len(angles):
         raise InputError(f'{path}: "threshold" is {threshold!r}; it must be a whole number from 1 to {len(angles)}')
-    return LayoutFile(path, made, angles, threshold, content)
+    return LayoutFile(path, made, angles, threshold, min_baseline, content)
+
+
+def _constraints(content: dict[str, Any]) -> placement.Constraints:
+    """Those the layout meets; none for a file that says nothing of them, such as one written by hand."""
+    kept = content.get("constraints", {"min_separation": 0.0})
+    known = {field.name for field in fields(placement.Constraints)}
+    if not isinstance(kept, dict) or not set(kept) <= known:
+        raise InputError(f'"constraints" is {kept!r}; it must give some of {", ".join(sorted(known))}')
+    return placement.Constraints(**kept)
 
 
 def _angles(content: dict[str, Any]) -> np.ndarray:

@@ -4,6 +4,7 @@ import csv
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from rich.table import Table
@@ -68,25 +69,25 @@ def layout_table(rows: Sequence[Row], compared_with: str) -> Table:
     return shown
 
 
+def figures(row: Row) -> dict[str, Any]:
+    """Every figure of a row in full, angles in degrees; None where there is none."""
+    return {
+        "layout": row.name,
+        "area_mm2": row.area,
+        "fraction_of_ring_maximum": row.fraction,
+        "gain_fraction": row.gain,
+        "smallest_separation_mm": row.smallest_separation if np.isfinite(row.smallest_separation) else None,
+        "widest_triangulation_angle_deg": float(np.degrees(row.widest_angle)),
+        "mean_triangulation_angle_deg": float(np.degrees(row.mean_angle)),
+        "ring_angles_deg": np.degrees(row.angles).tolist(),
+    }
+
+
 def write_csv(path: Path, rows: Sequence[Row]) -> None:
-    """Every figure in full, angles in degrees."""
-    header = (
-        "layout", "area_mm2", "fraction_of_ring_maximum", "gain_fraction", "smallest_separation_mm",
-        "widest_triangulation_angle_deg", "mean_triangulation_angle_deg", "ring_angles_deg",
-    )  # fmt: skip
+    """The figures of each row, ring angles separated by blanks."""
+    table = [figures(row) for row in rows]
     with written_whole(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(header)
-        for row in rows:
-            writer.writerow(
-                (
-                    row.name,
-                    repr(row.area),
-                    repr(row.fraction),
-                    "" if row.gain is None else repr(row.gain),
-                    repr(row.smallest_separation) if np.isfinite(row.smallest_separation) else "",
-                    repr(float(np.degrees(row.widest_angle))),
-                    repr(float(np.degrees(row.mean_angle))),
-                    " ".join(repr(float(angle)) for angle in np.degrees(row.angles)),
-                )
-            )
+        writer = csv.DictWriter(file, list(table[0]), lineterminator="\n")
+        writer.writeheader()
+        for row in table:
+            writer.writerow(row | {"ring_angles_deg": " ".join(map(repr, row["ring_angles_deg"]))})

@@ -1,4 +1,10 @@
-"""Plain words and tables on the terminal: nothing in brackets is taken for markup, and pipes get the full width."""
+"""Plain words and tables on the terminal: nothing in brackets is taken for markup, and pipes get the full width.
+
+Results go to stdout, as tables for people or as one JSON document for machines; notes go to stderr.
+"""
+
+import json
+from typing import Any
 
 from rich.console import Console
 from rich.table import Table
@@ -22,3 +28,21 @@ def table(*headers: str) -> Table:
     for header in headers:
         shown.add_column(Text(header))
     return shown
+
+
+def note(words: str) -> None:
+    """Say on stderr what is no result: what was written, what is odd."""
+    terminal(stderr=True).print(words, soft_wrap=True)
+
+
+def print_json(content: dict[str, Any]) -> None:
+    """Print the one JSON document of a command; numbers that are not finite must be left out as None.
+
+    Examples
+    --------
+    >>> print_json({"area_mm2": 12.5})
+    {
+      "area_mm2": 12.5
+    }
+    """
+    print(json.dumps(content, indent=2, allow_nan=False))

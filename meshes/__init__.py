@@ -1,7 +1,7 @@
 """Load and check a mesh; build the reference sites."""
 
 from meshes.check import check
-from meshes.errors import MeshError
+from meshes.errors import MeshError, MeshWarning
 from meshes.fingerprint import fingerprint
 from meshes.load import load
 from meshes.sites import DETAILS, SITES, Site, site
@@ -15,6 +15,7 @@ __all__ = [
     "SITES",
     "Expected",
     "MeshError",
+    "MeshWarning",
     "Site",
     "check",
     "fingerprint",

@@ -10,10 +10,15 @@ import numpy as np
 import trimesh
 
 from meshes.check import check
-from meshes.errors import MeshError
+from meshes.errors import MeshError, MeshWarning
 from meshes.stl import read_stl
 
 FORMATS = (".stl", ".obj", ".ply")
+
+# Largest extents [mm] outside of which a mesh is more likely in another unit, with that unit's name and its factor to
+# millimetres. Nothing that a ring of cameras looks at is below a millimetre or above ten metres.
+LEAST_EXTENT, LIKELY_IF_LESS = 1.0, ("metres", 1000.0)
+MOST_EXTENT, LIKELY_IF_MORE = 10_000.0, ("micrometres", 0.001)
 
 # First bytes of what is most often renamed or downloaded by mistake.
 MAGIC = {
@@ -27,11 +32,11 @@ MAGIC = {
 }
 
 
-def load(path: str | os.PathLike, repair: bool = False) -> trimesh.Trimesh:
+def load(path: str | os.PathLike, repair: bool = False, scale: float = 1.0) -> trimesh.Trimesh:
     """Read a triangle mesh from an STL (binary or ASCII), OBJ or PLY file and check it.
 
-    Coordinates are taken as millimetres. Coincident vertices are merged, polygons of OBJ and PLY files cut into
-    triangles, several objects in one file joined to one mesh; colours, materials and normals are dropped.
+    Coordinates times `scale` are taken as millimetres. Coincident vertices are merged, polygons of OBJ and PLY files
+    cut into triangles, several objects in one file joined to one mesh; colours, materials and normals are dropped.
 
     Parameters
     ----------
@@ -39,6 +44,8 @@ def load(path: str | os.PathLike, repair: bool = False) -> trimesh.Trimesh:
         The file; its ending names the format.
     repair : bool
         Put right what can be (see `meshes.check`) instead of refusing it.
+    scale : float
+        Factor from the file's unit to millimetres: 1000 for a file in metres.
 
     Returns
     -------
@@ -50,6 +57,11 @@ def load(path: str | os.PathLike, repair: bool = False) -> trimesh.Trimesh:
     MeshError
         If there is no such file, it cannot be read, it is no mesh, or the mesh fails a check. The message says
         what was got, what is needed and what to do next.
+
+    Warns
+    -----
+    MeshWarning
+        If the mesh is so small or so large that its unit is hardly the millimetre.
 
     Examples
     --------
@@ -65,6 +77,8 @@ def load(path: str | os.PathLike, repair: bool = False) -> trimesh.Trimesh:
     meshes.errors.MeshError: no_such_file.stl: no such file; give the path of an STL, OBJ or PLY file
     """
     path = Path(path)
+    if isinstance(scale, bool) or not isinstance(scale, int | float | np.number) or not 0 < scale < np.inf:
+        raise MeshError(f"scale is {scale!r}; needed is a positive number, such as 1000 for a file in metres")
     data = _read(path)
     suffix = path.suffix.lower()
     if suffix == ".stl":
@@ -72,7 +86,24 @@ def load(path: str | os.PathLike, repair: bool = False) -> trimesh.Trimesh:
         vertices, faces = corners.reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3)
     else:
         vertices, faces = _read_with_trimesh(path, data, suffix)
-    return check(_merged(path, vertices, faces), repair=repair, name=str(path))
+    mesh = _merged(path, vertices, faces)
+    mesh.vertices *= float(scale)  # a factor of 1 changes no bit
+    mesh = check(mesh, repair=repair, name=str(path))
+    if hint := _unit_hint(mesh, float(scale)):
+        warnings.warn(f"{path}: {hint}", MeshWarning, stacklevel=2)
+    return mesh
+
+
+def _unit_hint(mesh: trimesh.Trimesh, scale: float) -> str | None:
+    """What the extent of a mesh says against millimetres, if anything."""
+    extent = float(mesh.extents.max())
+    if LEAST_EXTENT <= extent <= MOST_EXTENT:
+        return None
+    unit, factor = LIKELY_IF_LESS if extent < LEAST_EXTENT else LIKELY_IF_MORE
+    return (
+        f"the largest side is {extent:.3g} mm, so its unit is probably {unit}; load it with scale={scale * factor:g} "
+        f"(--scale {scale * factor:g} at the command line) if that is so"
+    )
 
 
 def _read(path: Path) -> bytes:

@@ -1,0 +1,78 @@
+"""From the words of an option to numbers, angles still in degrees."""
+
+import math
+import re
+
+from experiments.errors import InputError
+
+
+def parse_fov(text: str, option: str = "--fov") -> tuple[float, float]:
+    """Width x height in millimetres.
+
+    Raises
+    ------
+    InputError
+        If it is something else, or one of them is not positive.
+
+    Examples
+    --------
+    >>> parse_fov("36x24")
+    (36.0, 24.0)
+    """
+    match = re.fullmatch(r"\s*([0-9.]+)\s*[x×]\s*([0-9.]+)\s*", text)
+    try:
+        width, height = (float(part) for part in match.groups()) if match else (0.0, 0.0)
+    except ValueError:
+        width = height = 0.0
+    if width <= 0 or height <= 0:
+        raise InputError(f"{option} is {text!r}; it must be width x height in millimetres, both positive, as in 36x24")
+    return width, height
+
+
+def parse_angles(text: str, option: str = "--angles-deg") -> tuple[float, ...]:
+    """Angles separated by commas; none for an empty text.
+
+    Raises
+    ------
+    InputError
+        If one of them is no number, or not finite.
+
+    Examples
+    --------
+    >>> parse_angles("0, 90,180"), parse_angles("")
+    ((0.0, 90.0, 180.0), ())
+    """
+    try:
+        degrees = tuple(float(part) for part in text.split(",")) if text.strip() else ()
+    except ValueError as error:
+        raise InputError(f"{option} is {text!r}; it must be numbers separated by commas, as in 0,90,180") from error
+    if not all(math.isfinite(angle) for angle in degrees):
+        raise InputError(f"{option} is {text!r}; every angle must be finite")
+    return degrees
+
+
+def parse_arcs(text: str, option: str = "--forbidden-deg") -> tuple[tuple[float, float], ...]:
+    """Arcs start:end separated by commas, each counter-clockwise from its start to its end; none for an empty text.
+
+    Raises
+    ------
+    InputError
+        If one of them is something else, or not finite.
+
+    Examples
+    --------
+    >>> parse_arcs("60:90, 350:10")
+    ((60.0, 90.0), (350.0, 10.0))
+    """
+    arcs = []
+    for part in text.split(",") if text.strip() else ():
+        try:
+            start, end = (float(word) for word in part.split(":"))
+        except ValueError:
+            start = end = math.nan
+        if not (math.isfinite(start) and math.isfinite(end)):
+            raise InputError(
+                f"{option} is {text!r}; it must be arcs start:end in degrees, separated by commas, as in 60:90,200:230"
+            )
+        arcs.append((start, end))
+    return tuple(arcs)
