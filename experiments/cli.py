@@ -125,6 +125,15 @@ def optimise(
     repair: Repair = None,
     scale: Scale = None,
     target: Target = None,
+    export: Annotated[
+        str | None,
+        typer.Option(
+            help="also write the cameras as camring export does (colmap, transforms, opencv, glb, csv), or the results "
+            "as meshes (mesh); several separated by commas",
+            show_default="none",
+            autocompletion=completing((*FORMATS, "mesh")),
+        ),
+    ] = None,
     out: Out = Path("out"),
     force: Force = False,
     json: Json = False,
@@ -143,7 +152,7 @@ def optimise(
         working_distance=working_distance, exclude=exclude, seed=seed, certify=certify, repair=repair, scale=scale,
     )  # fmt: skip
     command_optimise.run(
-        mesh, rig, options, depth=depth, detail=detail, target=target, out=out, force=force, as_json=json
+        mesh, rig, options, depth=depth, detail=detail, target=target, export=export, out=out, force=force, as_json=json
     )
 
 
@@ -167,7 +176,9 @@ def evaluate(
     repair: Repair = None,
     scale: Scale = None,
     target: Target = None,
-    out: Annotated[Path | None, typer.Option(help="folder for the reconstructable part as STL and PLY")] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="folder for the reconstructable part and the coloured surface as meshes")
+    ] = None,
     force: Force = False,
     json: Json = False,
 ) -> None:

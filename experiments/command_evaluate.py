@@ -9,7 +9,7 @@ import numpy as np
 import exact
 from experiments import layout_file, rig_file
 from experiments.errors import InputError
-from experiments.files import output_folder, written_whole
+from experiments.files import output_folder
 from experiments.inputs import Request, request
 from experiments.progress import progress_bar
 from experiments.target import checked_target, reach
@@ -17,7 +17,7 @@ from experiments.terminal import note, print_json, table, terminal
 from experiments.words import parse_angles
 from meshes import fingerprint
 
-OUTPUTS = ("reconstructable.stl", "reconstructable.ply", "evaluation.json")
+OUTPUTS = ("reconstructable.stl", "reconstructable.ply", "coverage.ply", "coverage.glb", "evaluation.json")
 RING_OPTIONS = ("fov", "diameter", "working_distance")
 
 
@@ -70,7 +70,7 @@ def run(
     else:
         _print(asked, cameras.angles, result, content)
     if out is not None:
-        _write(out, result, content)
+        _write(out, asked, result, content)
     if target is not None:
         reach(target, content["fraction_of_ring_maximum"], f"these {len(cameras.angles)} cameras")
 
@@ -124,16 +124,13 @@ def _evaluate(asked: Request, given: _Cameras, with_maximum: bool) -> tuple[exac
     return result, content
 
 
-def _write(out: Path, result: exact.Reconstruction, content: dict[str, Any]) -> None:
+def _write(out: Path, asked: Request, result: exact.Reconstruction, content: dict[str, Any]) -> None:
+    from experiments import coverage_mesh  # it brings matplotlib for its colours, which figures alone do not need
+
     layout_file.write(out / "evaluation.json", content)
-    part = result.to_mesh()
-    if not len(part.faces):
-        note(f"wrote {out / 'evaluation.json'}; nothing is reconstructable, so there is no mesh to write")
-        return
-    for name in OUTPUTS[:2]:
-        with written_whole(out / name) as temporary:
-            part.export(temporary)
-    note(f"wrote {', '.join(str(out / name) for name in OUTPUTS)}")
+    names = coverage_mesh.write(out, asked.about.mesh, asked.excluded.mask, result)
+    missing = "" if "reconstructable.stl" in names else "; nothing is reconstructable, so there is no mesh of it"
+    note(f"wrote {', '.join(str(out / name) for name in (*names, 'evaluation.json'))}{missing}")
 
 
 def refuse_unseen(name: str, result: exact.Reconstruction) -> None:

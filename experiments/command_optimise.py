@@ -6,9 +6,12 @@ from typing import Any
 import numpy as np
 import trimesh
 
+import exact
 import placement
-from experiments import layout_file, layout_table, rig_file
+from experiments import coverage_mesh, layout_file, layout_table, rig_file
 from experiments.coverage_figure import Panel, write_coverage
+from experiments.exports import formats
+from experiments.exports.cameras import named_cameras
 from experiments.files import output_folder
 from experiments.inputs import Request, request
 from experiments.progress import progress_stages
@@ -26,14 +29,19 @@ def run(
     depth: float | None,
     detail: str | None,
     target: float | None,
+    export: str | None,
     out: Path,
     force: bool,
     as_json: bool,
 ) -> None:
     """Optimise, print and write; `options` are those of the rig, by the names of their keys."""
     checked_target(target)
+    names = () if export is None else formats.parse_formats(export, "--export", (*formats.FORMATS, "mesh"))
     asked = request(mesh, depth, detail, rig_file.rig(rig_path, **options))
-    output_folder(out, OUTPUTS, force)
+    meshes_too = coverage_mesh.FILES if "mesh" in names else ()
+    names = tuple(name for name in names if name in formats.FORMATS)
+    output_folder(out, (*OUTPUTS, *meshes_too), force)
+    files = formats.prepare(out, names, force)
     with progress_stages() as progress:
         result = placement.optimise(
             asked.about.mesh,
@@ -54,11 +62,14 @@ def run(
         rows = _rows(result, asked.about.mesh, asked.excluded.mask)
         layout_table.write_csv(out / OUTPUTS[1], rows)
         _draw(out / OUTPUTS[2], asked, rows)
+        formats.write(out, names, named_cameras(asked.ring, np.array(result.angles)), asked.about)
+        if meshes_too:
+            files += _write_meshes(out, asked, result)
     if as_json:
         print_json(content | {"layouts": [layout_table.figures(row) for row in rows]})
     else:
         _print(asked, result, rows)
-    note(f"wrote {', '.join(str(out / name) for name in OUTPUTS)}")
+    note(f"wrote {', '.join(str(out / name) for name in (*OUTPUTS, *files))}")
     reach(target, result.fraction, f"the optimised {asked.rig.n_cameras} cameras")
 
 
@@ -70,6 +81,13 @@ def _draw(path: Path, asked: Request, rows: list[layout_table.Row]) -> None:
     write_coverage(
         path, asked.about.name, asked.about.mesh, asked.ring, panels, asked.rig.threshold, asked.excluded.mask
     )
+
+
+def _write_meshes(out: Path, asked: Request, result: placement.Placement) -> tuple[str, ...]:
+    cameras = result.ring.cameras(np.array(result.angles))
+    baseline = result.constraints.baseline(result.ring)
+    seen = exact.evaluate(asked.about.mesh, cameras, result.threshold, asked.excluded.mask, baseline)
+    return coverage_mesh.write(out, asked.about.mesh, asked.excluded.mask, seen)
 
 
 def _print(asked: Request, result: placement.Placement, rows: list[layout_table.Row]) -> None:
