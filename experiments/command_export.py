@@ -2,13 +2,13 @@
 
 from pathlib import Path
 
+import meshes
 from experiments import layout_file
 from experiments.errors import InputError
 from experiments.exports import formats
 from experiments.exports.cameras import named_cameras, parse_resolution
 from experiments.inputs import Subject, subject
 from experiments.terminal import note, print_json
-from meshes import fingerprint
 
 
 def run(
@@ -61,12 +61,19 @@ def run(
 def _site(
     made: layout_file.LayoutFile, mesh: str, depth: float | None, detail: str | None, repair: bool, force: bool
 ) -> Subject:
-    origin = made.content.get("mesh")
-    scale = origin.get("scale", 1.0) if isinstance(origin, dict) else 1.0  # the file's unit in millimetres
-    site = subject(mesh, depth, detail, repair, scale)
-    if made.mesh_hash not in (None, fingerprint(site.mesh)) and not force:
+    site = subject(mesh, depth, detail, repair, 1.0 if mesh in meshes.SITES else _scale(made))
+    if made.mesh_hash not in (None, meshes.fingerprint(site.mesh)) and not force:
         raise InputError(
             f"{made.path} was made for {made.content['mesh'].get('name', 'a mesh')!r}, and {site.name} is not the same "
             "mesh; give that one, or --force to show the cameras with this one"
         )
     return site
+
+
+def _scale(made: layout_file.LayoutFile) -> float:
+    """Factor to millimetres from the unit of the mesh file that the layout was made for."""
+    origin = made.content.get("mesh")
+    scale = origin.get("scale", 1.0) if isinstance(origin, dict) else 1.0
+    if isinstance(scale, bool) or not isinstance(scale, int | float) or not scale > 0:
+        raise InputError(f'{made.path}: the "scale" of its "mesh" is {scale!r}; it must be a positive number')
+    return float(scale)

@@ -326,3 +326,29 @@ def test_the_site_must_be_the_one_of_the_layout(camring, scan, tmp_path):
     assert not (tmp_path / "out").exists()
     assert camring(*other, "--force")[0] == 0
     assert camring("export", layout, "--format", "glb", "--mesh", scan, "--out", tmp_path / "right")[0] == 0
+
+
+def test_a_site_in_metres_is_read_as_for_the_layout(camring, scan, tmp_path):
+    mesh = meshes.load(scan)
+    trimesh.Trimesh(mesh.vertices / 1000, mesh.faces).export(tmp_path / "metres.stl")
+    ring, angles, _ = LAYOUTS["usual"]
+    made_for = {"sha256": meshes.fingerprint(meshes.load(tmp_path / "metres.stl", scale=1000)), "scale": 1000}
+    layout = write_layout(tmp_path / "layout.json", ring, angles, made_for)
+    arguments = ("export", layout, "--format", "glb", "--out", tmp_path / "out", "--mesh")
+    assert camring(*arguments, tmp_path / "metres.stl")[0] == 0
+    file = pygltflib.GLTF2().load(tmp_path / "out" / "site_and_cameras.glb")
+    corners = in_millimetres(accessor(file, file.meshes[0].primitives[0].attributes.POSITION).astype(float))
+    assert np.ptp(corners, axis=0) == pytest.approx([30, 30, 20], rel=SINGLE)
+    assert "is not the same mesh" in camring(*arguments, "circ_flat")[2]
+    write_layout(tmp_path / "layout.json", ring, angles, made_for | {"scale": "metres"})
+    assert '"scale" of its "mesh" is \'metres\'; it must be a positive number' in camring(*arguments, scan)[2]
+
+
+def test_json_names_cameras_and_files(camring, layout, tmp_path):
+    status, out, err = camring("export", layout, "--format", "colmap,csv", "--out", tmp_path / "out", "--json")
+    told = json.loads(out)
+    assert status == 0
+    assert told["cameras"] == ["camera_01", "camera_02", "camera_03", "camera_04"]
+    assert told["resolution_px"] == [3600, 2400]
+    assert sorted(told["files"]) == sorted(str(file) for file in (tmp_path / "out").rglob("*.*"))
+    assert "wrote" in err
