@@ -8,12 +8,15 @@ import jax
 
 jax.config.update("jax_enable_x64", True)
 
-from placement.certificate import Certificate, certify  # noqa: E402 - after the switch to double precision
+from placement.certificate import Certificate  # noqa: E402 - after the switch to double precision
 from placement.constraints import Constraints  # noqa: E402
 from placement.errors import PlacementError  # noqa: E402
-from placement.optimise import optimise  # noqa: E402
-from placement.results import Candidate, Placement, SearchRecord  # noqa: E402
+from placement.jitter import jitter  # noqa: E402
+from placement.optimise import certify, optimise, place  # noqa: E402
+from placement.problem import Problem  # noqa: E402
+from placement.results import Candidate, Placement, SearchRecord, SiteResult  # noqa: E402
 from placement.settings import Settings  # noqa: E402
+from placement.sites import falloff  # noqa: E402
 from placement.triangulation import Triangulation, triangulation  # noqa: E402
 
 __all__ = [
@@ -22,10 +25,15 @@ __all__ = [
     "Constraints",
     "Placement",
     "PlacementError",
+    "Problem",
     "SearchRecord",
     "Settings",
+    "SiteResult",
     "Triangulation",
     "certify",
+    "falloff",
+    "jitter",
     "optimise",
+    "place",
     "triangulation",
 ]

@@ -10,11 +10,10 @@ from collections.abc import Iterator
 import numpy as np
 
 import exact
-from placement.constraints import GAP_MARGIN, Constraints
+from placement.constraints import GAP_MARGIN, LENGTH_TOLERANCE, Constraints
 from placement.errors import PlacementError
 from placement.layout import Arcs, arcs_from_angles, gaps_from_angles
-
-TURN = 2 * np.pi
+from placement.open_arcs import TURN, greatest_separation, most_cameras, offered, open_arcs, widest_pair
 
 
 class LayoutSpace:
@@ -53,20 +52,20 @@ class LayoutSpace:
                 f"{len(constraints.fixed)} cameras are fixed but the layout has {n_cameras}; ask for at least "
                 f"{len(constraints.fixed)}"
             )
-        constraints.baseline(ring)  # raises if none is wide enough
         self.ring = ring
         self.n_cameras = int(n_cameras)
         self.n_free = self.n_cameras - len(constraints.fixed)
         self.constraints = constraints
-        self.minimum_gap = self._checked_gap()
         self.is_whole = not (constraints.fixed or constraints.forbidden)
+        self._check_fixed()
+        self.minimum_gap = self._checked_gap()
         self.assignments: list[tuple[tuple[int, ...], Arcs]] = []
         if not self.is_whole:
-            self._check_fixed()
-            self._open = _open_arcs(constraints, self.minimum_gap)
+            self._open = open_arcs(constraints, self.minimum_gap)
             self.assignments = list(self._feasible_assignments(self.n_free))
             if not self.assignments:
-                self._raise_too_many()
+                raise self._too_many()
+        self._check_baseline()
 
     def _checked_gap(self) -> float:
         """Minimum gap with its margin [rad], where as many gaps fit on the ring."""
@@ -76,9 +75,10 @@ class LayoutSpace:
         left = TURN - n * gap
         if left < -n * GAP_MARGIN:
             separation = self.constraints.min_separation
+            takes = int(TURN / gap + GAP_MARGIN) if self.is_whole else most_cameras(self.constraints, gap, n)
             raise PlacementError(
                 f"{n} cameras at {separation:g} mm need a ring of at least {separation / np.sin(np.pi / n):.1f} mm; "
-                f"this one takes {int(TURN / gap + GAP_MARGIN)}"
+                f"this one takes {takes}{self._beside()}"
             )
         return gap + (min(GAP_MARGIN, max(left, 0.0) / n) if gap > 0 else 0.0)
 
@@ -90,14 +90,33 @@ class LayoutSpace:
         if len(fixed):
             wrong = Constraints(self.constraints.min_separation, forbidden=self.constraints.forbidden)
             for reason in wrong.violations(self.ring, fixed):
-                raise PlacementError(f"the fixed cameras contradict the constraints: {reason}")
+                raise PlacementError(
+                    f"the fixed cameras contradict the constraints: {reason}; move the camera, or ask for less"
+                )
 
-    def _raise_too_many(self) -> None:
-        most = next((n for n in range(self.n_free - 1, 0, -1) if any(self._feasible_assignments(n))), 0)
-        fixed = len(self.constraints.fixed)
-        raise PlacementError(
-            f"{self.n_cameras} cameras at {self.constraints.min_separation:g} mm do not fit beside "
-            f"{fixed} fixed ones and {len(self.constraints.forbidden)} forbidden arcs; {fixed + most} do"
+    def _check_baseline(self) -> None:
+        """Some two cameras must be able to be a baseline apart, or no layout reconstructs anything."""
+        baseline = self.constraints.baseline(self.ring)
+        widest = self.ring.diameter * np.sin(widest_pair(self.constraints, self.minimum_gap, self.n_cameras) / 2)
+        if self.n_cameras > 1 and baseline > widest + LENGTH_TOLERANCE:
+            raise PlacementError(
+                f"no two of {self.n_cameras} cameras can be {baseline:.4g} mm apart{self._beside()}; ask for a "
+                f"baseline of at most {offered(widest):g} mm"
+            )
+
+    def _beside(self) -> str:
+        """What takes room on the ring, as the end of a sentence."""
+        taken = {"fixed one": len(self.constraints.fixed), "forbidden arc": len(self.constraints.forbidden)}
+        words = " and ".join(f"{n} {what}{'s' if n > 1 else ''}" for what, n in taken.items() if n)
+        return f" beside {words}" if words else ""
+
+    def _too_many(self) -> PlacementError:
+        n, separation = self.n_cameras, self.constraints.min_separation
+        most = most_cameras(self.constraints, self.minimum_gap, n - 1)
+        offer = greatest_separation(self.ring, self.constraints, n)
+        return PlacementError(
+            f"{n} cameras at {separation:g} mm do not fit{self._beside()}: {most} do"
+            + (f", or {n} at {offer:g} mm" if offer > 0 else "")
         )
 
     def _feasible_assignments(self, n_free: int) -> Iterator[tuple[tuple[int, ...], Arcs]]:
@@ -176,26 +195,6 @@ class LayoutSpace:
     def allows(self, angles) -> bool:
         """Whether a layout of M ring angles [rad] meets every constraint."""
         return len(angles) == self.n_cameras and not self.constraints.violations(self.ring, angles)
-
-
-def _open_arcs(constraints: Constraints, gap: float) -> np.ndarray:
-    """Arcs (A, 2) in which a free camera may be, on the circle cut open at a fixed camera or forbidden arc."""
-    blocked = [(angle - gap, angle + gap) for angle in constraints.fixed]
-    blocked += [(start, start + np.mod(end - start, TURN)) for start, end in constraints.forbidden]
-    cut = constraints.fixed[0] if constraints.fixed else constraints.forbidden[0][0]
-    pieces = []
-    for start, end in blocked:
-        begin = cut + np.mod(start - cut, TURN)
-        pieces.append((begin, begin + (end - start)))
-        pieces.append((begin - TURN, begin - TURN + (end - start)))
-    position, arcs = cut, []
-    for start, end in sorted(pieces):
-        if start >= position:
-            arcs.append((position, min(start, cut + TURN)))
-        position = max(position, end)
-    if position <= cut + TURN:
-        arcs.append((position, cut + TURN))
-    return np.array([(a, b) for a, b in arcs if a <= b and a < cut + TURN]).reshape(-1, 2)
 
 
 def _counts(total: int, capacities: list[int]) -> Iterator[tuple[int, ...]]:

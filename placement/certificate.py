@@ -12,14 +12,11 @@ import time
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-import trimesh
 
-import exact
 from placement.arcs import TURN, LayoutSpace
-from placement.constraints import GAP_MARGIN, Constraints, checked_threshold
+from placement.constraints import GAP_MARGIN
 from placement.grid_program import QUICK_MULTIPLICATIONS, GridProgram, GridSolution, multiplications, solve
 from placement.profiles import RingProfiles
-from placement.sampled_site import SampledSite, sample_site
 from placement.settings import Settings
 
 # The mixed-integer program stops at this relative gap: what "proven" means.
@@ -37,6 +34,8 @@ ERROR_PARTS = 8
 @dataclass(frozen=True)
 class Certificate:
     """Upper bounds for any layout of a request, as fractions of the ring maximum of the samples.
+
+    Of several sites it is the mean fraction or that of the worst site, as was asked for.
 
     Attributes
     ----------
@@ -68,6 +67,8 @@ class Certificate:
         Standard error of a sampled fraction, measured on parts of the samples.
     ignores_baseline : bool
         Whether a baseline was asked for; the bounds hold, but leave it out.
+    of : str
+        What the fractions are fractions of, in words.
     """
 
     bound_fraction: float
@@ -86,6 +87,7 @@ class Certificate:
     n_profiles: int
     sampling_error: float
     ignores_baseline: bool
+    of: str = "the ring maximum"
 
     @property
     def statement(self) -> str:
@@ -93,7 +95,7 @@ class Certificate:
         step, cell = np.degrees(self.step), np.degrees(self.cell)
         words = [
             f"On {self.n_samples} sample points no layout with cameras at multiples of {step:g} degrees reconstructs "
-            f"more than {self.grid_bound_fraction:.2%} of the ring maximum, and no layout at any angles more than "
+            f"more than {self.grid_bound_fraction:.2%} of {self.of}, and no layout at any angles more than "
             f"{self.bound_fraction:.2%} ({self.method}, cells of {cell:g} degrees)."
         ]
         if self.grid_fraction is None:
@@ -114,60 +116,18 @@ class Certificate:
         return " ".join(words)
 
 
-def certify(
-    mesh: trimesh.Trimesh,
-    ring: exact.Ring,
-    n_cameras: int = 4,
-    threshold: int = 2,
-    exclude: np.ndarray | None = None,
-    constraints: Constraints | None = None,
-    settings: Settings | None = None,
-    seed: int = 0,
-    layout=None,
+def certify_samples(
+    profiles: RingProfiles, space: LayoutSpace, threshold: int, settings: Settings, of: str = "the ring maximum"
 ) -> Certificate:
-    """Bound what any layout of a request can reconstruct.
-
-    Parameters
-    ----------
-    mesh, ring, n_cameras, threshold, exclude, constraints, settings, seed
-        The request, as for `optimise`; `settings.certificate_step` and `settings.certificate_seconds` say how.
-    layout : (M,) array_like, optional
-        Ring angles [rad] whose gap to the bounds is wanted.
-
-    Raises
-    ------
-    PlacementError
-        If the request cannot be met.
-
-    Examples
-    --------
-    >>> from dataclasses import replace
-    >>> step = trimesh.util.concatenate([trimesh.creation.box((30, 30, 1)), trimesh.creation.box((1, 8, 30))])
-    >>> quick = replace(Settings(), n_samples=500, n_angles=36, certificate_step=float(np.radians(10)))
-    >>> found = certify(step, exact.Ring(), n_cameras=2, settings=quick)
-    >>> found.proven, bool(found.grid_fraction <= found.grid_bound_fraction <= found.bound_fraction <= 1)
-    (True, True)
-    """
-    constraints = Constraints() if constraints is None else constraints
-    settings = Settings() if settings is None else settings
-    space = LayoutSpace(ring, n_cameras, constraints)
-    threshold = checked_threshold(threshold, space.n_cameras, constraints)
-    site = sample_site(mesh, ring, threshold, exclude, settings, seed)
-    certificate = certify_samples(site, space, threshold, settings)
-    return certificate if layout is None else measure(certificate, site, layout, threshold)
-
-
-def certify_samples(site: SampledSite, space: LayoutSpace, threshold: int, settings: Settings) -> Certificate:
-    """Bound what any layout of `space` can reconstruct of the samples of `site`; see `certify`."""
+    """Bound what any layout of `space` can reconstruct of samples whose weights are shares of the ring maximum."""
     begun = time.perf_counter()
     end = begun + settings.certificate_seconds
-    profiles, whole = site.profiles, site.ring_area
     n_grid = max(4, round(TURN / settings.certificate_step))
 
     program = grid_of(profiles, space, threshold, n_grid)
     # Half of the time for the grid; the bound for any angle needs the rest.
     grid = solve(program, settings.certificate_seconds / 2, PROOF_TOLERANCE)
-    bound, n_cells = float(profiles.weights.sum()), n_grid
+    bound, n_cells = float(profiles.sums(np.asarray(profiles.visible.any(axis=0))).min()), n_grid
     found = None
     for halving in range(MOST_HALVINGS + 1):
         cells = cells_of(profiles, space, threshold, n_grid * 2**halving)
@@ -180,12 +140,12 @@ def certify_samples(site: SampledSite, space: LayoutSpace, threshold: int, setti
 
     angles = _angles(grid, space, n_grid)
     return Certificate(
-        bound_fraction=bound / whole,
+        bound_fraction=bound,
         gap=None,
-        proven=grid.finished and grid.bound - grid.value <= 1.01 * PROOF_TOLERANCE * whole,
+        proven=grid.finished and grid.bound - grid.value <= 1.01 * PROOF_TOLERANCE,
         seconds=time.perf_counter() - begun,
-        grid_bound_fraction=grid.bound / whole,
-        grid_fraction=None if angles is None else grid.value / whole,
+        grid_bound_fraction=grid.bound,
+        grid_fraction=None if angles is None else grid.value,
         grid_angles=angles,
         grid_gap=None,
         layout_fraction=None,
@@ -196,19 +156,19 @@ def certify_samples(site: SampledSite, space: LayoutSpace, threshold: int, setti
         n_profiles=len(program.merged().weights),
         sampling_error=_sampling_error(profiles, angles, threshold),
         ignores_baseline=space.constraints.baseline(space.ring) > 0,
+        of=of,
     )
 
 
-def measure(certificate: Certificate, site: SampledSite, layout, threshold: int) -> Certificate:
+def measure(certificate: Certificate, profiles: RingProfiles, layout, threshold: int) -> Certificate:
     """Return the certificate with the gaps of `layout`, (M,) ring angles [rad], to its bounds."""
-    covered = site.profiles.at(layout).sum(axis=0) >= threshold
-    fraction = float(site.profiles.weights[covered].sum()) / site.ring_area
+    fraction = float(profiles.sums(profiles.at(layout).sum(axis=0) >= threshold).min())
     return replace(
         certificate,
         layout_fraction=fraction,
         gap=certificate.bound_fraction - fraction,
         grid_gap=certificate.grid_bound_fraction - fraction,
-        sampling_error=_sampling_error(site.profiles, layout, threshold),
+        sampling_error=_sampling_error(profiles, layout, threshold),
     )
 
 
@@ -220,7 +180,10 @@ def grid_of(profiles: RingProfiles, space: LayoutSpace, threshold: int, n_grid: 
     fixed = np.array(space.constraints.fixed)
     base = profiles.at(fixed).sum(axis=0) if len(fixed) else np.zeros(len(profiles.weights), dtype=int)
     allowed = space.allowed(grid, fixed, slack=2 * GAP_MARGIN)
-    return GridProgram(profiles.at(grid), profiles.weights, base, space.n_free, threshold, window, allowed)
+    return GridProgram(
+        profiles.at(grid), profiles.weights, base, space.n_free, threshold, window, allowed, profiles.site,
+        profiles.n_sites,
+    )  # fmt: skip
 
 
 def cells_of(profiles: RingProfiles, space: LayoutSpace, threshold: int, n_cells: int) -> GridProgram:
@@ -235,7 +198,10 @@ def cells_of(profiles: RingProfiles, space: LayoutSpace, threshold: int, n_cells
     window = max(0, int(np.ceil(space.minimum_gap / step - 1 - STEP_TOLERANCE)))
     fixed = np.array(space.constraints.fixed)
     base = profiles.at(fixed).sum(axis=0) if len(fixed) else np.zeros(len(profiles.weights), dtype=int)
-    return GridProgram(seen, profiles.weights, base, space.n_free, threshold, window, _open_cells(space, n_cells))
+    return GridProgram(
+        seen, profiles.weights, base, space.n_free, threshold, window, _open_cells(space, n_cells), profiles.site,
+        profiles.n_sites,
+    )  # fmt: skip
 
 
 def _open_cells(space: LayoutSpace, n_cells: int) -> np.ndarray:
@@ -263,9 +229,11 @@ def _sampling_error(profiles: RingProfiles, layout, threshold: int) -> float:
     if layout is None:
         return float("nan")
     covered = profiles.at(layout).sum(axis=0) >= threshold
+    binding = profiles.site == int(profiles.sums(covered).argmin())
+    covered, weights = covered[binding], profiles.weights[binding]
     part = np.arange(len(covered)) % ERROR_PARTS
-    ring = profiles.visible.sum(axis=0) >= threshold
-    n_in = np.bincount(part, weights=profiles.weights * ring, minlength=ERROR_PARTS)
-    got = np.bincount(part, weights=profiles.weights * (covered & ring), minlength=ERROR_PARTS)
+    ring = profiles.visible[:, binding].sum(axis=0) >= threshold
+    n_in = np.bincount(part, weights=weights * ring, minlength=ERROR_PARTS)
+    got = np.bincount(part, weights=weights * (covered & ring), minlength=ERROR_PARTS)
     fractions = got / np.where(n_in > 0, n_in, 1.0)
     return float(fractions.std(ddof=1) / np.sqrt(ERROR_PARTS))

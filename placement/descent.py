@@ -7,17 +7,16 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import optimistix as optx
-from jaxtyping import Array, Bool, Float, Int
+from jaxtyping import Bool, Float, Int
 
 from placement.layout import Arcs, angles_from_arcs, angles_from_gaps
-from placement.soft_coverage import Baseline, soft_coverage
+from placement.soft_coverage import soft_coverage
+from placement.surrogate import Surrogate
 
 # BFGS stops when a step changes parameters [rad or logits] and coverage by less than this, relatively plus
 # absolutely: far below what the samples resolve.
 STEP_TOLERANCE = 1e-4
 COVERAGE_TOLERANCE = 1e-7
-# The number of points is rounded up to a multiple of this.
-POINTS_PER_STEP = 1024
 # A start whose layout turned by less [rad] than this stood on a flat stretch and was not searched at all.
 FLAT_TOLERANCE = 1e-6
 
@@ -27,8 +26,6 @@ class DescentEnd(NamedTuple):
 
     angles: Float[np.ndarray, "S M"]
     """Ring angles [rad]; the start itself where the search failed."""
-    soft_coverage: Float[np.ndarray, " S"]
-    """At the last temperature, over the points searched."""
     steps: Int[np.ndarray, " S"]
     """BFGS steps over all stages."""
     failed: Bool[np.ndarray, " S"]
@@ -37,24 +34,12 @@ class DescentEnd(NamedTuple):
     """Did not move."""
 
 
-class _Problem(NamedTuple):
-    """What one start's objective needs; a pytree, so that new values do not compile again."""
-
-    signed_distance: Float[Array, "K N"]
-    weights: Float[Array, " N"]
-    minimum_gap: Float[Array, ""]
-    baseline: Baseline | None
-
-
 def descend(
     parameters: np.ndarray,
     arcs: Arcs | None,
-    signed_distance: np.ndarray,
-    weights: np.ndarray,
+    surrogate: Surrogate,
     *,
     minimum_gap: float,
-    threshold: int,
-    baseline: tuple[float, float] | None,
     temperatures: tuple[float, ...],
     max_steps: int,
 ) -> DescentEnd:
@@ -66,14 +51,10 @@ def descend(
         Starts, as `layout.gaps_from_angles` or, with `arcs`, `layout.arcs_from_angles` give them.
     arcs : Arcs or None
         Arcs of each start, stacked along a first axis of length S; None for the map by gaps.
-    signed_distance, weights : (K, N) and (N,) ndarray
-        Ring profiles [rad] and areas [mm²] of the points that can be covered or not.
+    surrogate : Surrogate
+        What is maximised.
     minimum_gap : float
         Least angle between neighbours [rad].
-    threshold : int
-        How many cameras must see a point.
-    baseline : (ring diameter, least baseline) or None
-        Both [mm].
     temperatures : tuple of float
         Falling widths of the soft step [rad]; the end of one stage starts the next.
     max_steps : int
@@ -84,37 +65,30 @@ def descend(
     DescentEnd
         A failed start comes back as it was, marked.
     """
-    # Points without weight fill up to a round number: other sites and seeds then use what is already compiled.
-    spare = -len(weights) % POINTS_PER_STEP
-    problem = _Problem(
-        jnp.asarray(np.pad(signed_distance, ((0, 0), (0, spare)))),
-        jnp.asarray(np.pad(weights, (0, spare))),
-        jnp.asarray(minimum_gap),
-        None if baseline is None else Baseline(*(jnp.asarray(float(value)) for value in baseline)),
-    )
     arcs = None if arcs is None else Arcs(*(jnp.asarray(field) for field in arcs))
     start = jnp.asarray(parameters)
-    ends = _descend(start, arcs, problem, jnp.asarray(temperatures), int(threshold), int(max_steps))
-    first, last, coverage, steps, failed = (np.asarray(value) for value in ends)
+    gap = jnp.asarray(minimum_gap)
+    ends = _descend(start, arcs, gap, surrogate.points, jnp.asarray(temperatures), surrogate.threshold, int(max_steps))
+    first, last, steps, failed = (np.asarray(value) for value in ends)
     moved = np.abs(np.angle(np.exp(1j * (last - first)))).max(axis=1)
-    return DescentEnd(last, coverage, steps, failed, (moved < FLAT_TOLERANCE) & ~failed)
+    return DescentEnd(last, steps, failed, (moved < FLAT_TOLERANCE) & ~failed)
 
 
 @eqx.filter_jit
-def _descend(parameters, arcs, problem, temperatures, threshold, max_steps):
+def _descend(parameters, arcs, gap, points, temperatures, threshold, max_steps):
     """Stages outside, starts inside: one BFGS is compiled, whatever their numbers."""
     solver = optx.BFGS(rtol=COVERAGE_TOLERANCE, atol=STEP_TOLERANCE)
 
     def angles_of(parameters, arcs):
         if arcs is None:
-            return angles_from_gaps(parameters, problem.minimum_gap)
-        return angles_from_arcs(parameters, arcs, problem.minimum_gap)
+            return angles_from_gaps(parameters, gap)
+        return angles_from_arcs(parameters, arcs, gap)
 
     def loss(parameters, args):
         arcs, temperature = args
         angles = angles_of(parameters, arcs)
         return 1 - soft_coverage(
-            angles, problem.signed_distance, problem.weights, temperature, threshold, problem.baseline
+            angles, points.signed_distance, points.weights, temperature, threshold, points.baseline
         )
 
     def one_start(parameters, arcs, temperature):
@@ -139,4 +113,4 @@ def _descend(parameters, arcs, problem, temperatures, threshold, max_steps):
     first, last = to_angles(parameters, arcs), to_angles(end, arcs)
     failed = failed | ~jnp.isfinite(final_loss) | ~jnp.isfinite(last).all(axis=1)
     last = jnp.where(failed[:, None], first, last)
-    return first, last, jnp.where(failed, 0.0, 1 - final_loss), steps, failed
+    return first, last, steps, failed

@@ -13,10 +13,15 @@ from placement.profiles import RingProfiles
 
 # Angles for moving two cameras at once: 3 degrees, which one camera at a time then refines.
 PAIR_GRID = 120
+# How much the mean of several sites counts beside the least: enough to lead over flat stretches, too little to decide.
+MEAN_SHARE = 0.01
 
 
 class SampledCoverage:
-    """Reconstructable area of the samples for layouts on and off a grid of angles.
+    """Which part of the samples layouts on and off a grid of angles reconstruct.
+
+    Where the profiles make several sums (`RingProfiles.site`), the least of them is what a layout is worth. To get on
+    where that one cannot be raised by a single move, the search also looks a little at their mean.
 
     Parameters
     ----------
@@ -32,8 +37,8 @@ class SampledCoverage:
     Examples
     --------
     >>> right, left = np.cos([0.0, 1.0, 2.0, 3.0, 4.0, 5.0]), -np.cos([0.0, 1.0, 2.0, 3.0, 4.0, 5.0])
-    >>> profiles = RingProfiles(np.stack([right, left], axis=1), np.array([2.0, 1.0]))
-    >>> SampledCoverage(profiles, threshold=2).area([0.1, -0.1])
+    >>> profiles = RingProfiles.of(np.stack([right, left], axis=1), np.array([2.0, 1.0]))
+    >>> SampledCoverage(profiles, threshold=2).fraction([0.1, -0.1])
     2.0
     """
 
@@ -66,21 +71,22 @@ class SampledCoverage:
             enough &= self._paired(theta, seen)
         return enough
 
-    def area(self, angles) -> float:
-        """Area [mm²] of the samples that the layout of (M,) ring angles [rad] reconstructs."""
-        return float(self.profiles.weights[self.covered(angles)].sum())
+    def fraction(self, angles) -> float:
+        """Weight of the samples that the layout of (M,) ring angles [rad] reconstructs; the least of several sums."""
+        return float(self.profiles.sums(self.covered(angles)).min())
 
-    def areas_with_one_more(self, angles) -> np.ndarray:
-        """(n_grid,) area [mm²] for the (M - 1,) ring angles [rad] and one more camera at each grid angle."""
+    def worth(self, angles) -> float:
+        """What the search compares: `fraction` and, of several sums, a little of their mean."""
+        return float(_worth(self.profiles.sums(self.covered(angles))))
+
+    def worth_with_one_more(self, angles) -> np.ndarray:
+        """(n_grid,) `worth` of the (M - 1,) ring angles [rad] and one more camera at each grid angle."""
         theta = np.asarray(angles, dtype=np.float64)
         seen = self.profiles.at(theta)
         count = seen.sum(axis=0)
-        weights = self.profiles.weights
         if self.min_baseline <= 0:
-            waiting = np.flatnonzero(count == self.threshold - 1)
-            already = weights[count >= self.threshold].sum()
-            # einsum, not BLAS: for products this small, threads that wait for each other cost more than they bring.
-            return already + np.einsum("n,ng->g", self._weights[waiting], self._seen[waiting]).astype(np.float64)
+            already = self.profiles.sums(count >= self.threshold)
+            return _worth(self._sums(np.flatnonzero(count == self.threshold - 1)) + already[:, None])
         paired = self._paired(theta, seen)
         done = (count >= self.threshold) & paired
         waiting = np.flatnonzero((count >= self.threshold - 1) & ~done)
@@ -88,19 +94,33 @@ class SampledCoverage:
         now_seen = self._seen[waiting] > 0
         enough = (count[waiting] >= self.threshold)[:, None] | now_seen
         linked = paired[waiting][:, None] | (partner & now_seen)
-        return weights[done].sum() + weights[waiting] @ (enough & linked)
+        gained = np.zeros((self.profiles.n_sites, len(self.grid)))
+        np.add.at(gained, self.profiles.site[waiting], self.profiles.weights[waiting, None] * (enough & linked))
+        return _worth(gained + self.profiles.sums(done)[:, None])
 
-    def areas_with_two_more(self, angles) -> np.ndarray:
-        """(G, G) area [mm²] for (M - 2,) ring angles [rad] and two more on `pair_grid`; any baseline is left out."""
+    def worth_with_two_more(self, angles) -> np.ndarray:
+        """(G, G) `worth` of (M - 2,) ring angles [rad] and two more on `pair_grid`; any baseline is left out."""
         count = self.profiles.at(np.asarray(angles, dtype=np.float64)).sum(axis=0)
         short = self.threshold - count
-        # A point one view short is won by either camera, one two views short only by both.
-        one, two = np.flatnonzero(short == 1), np.flatnonzero(short == 2)
-        either, both = self._seen_pairs[one], self._seen_pairs[two]
-        alone = self._weights[one] @ either
-        area = alone[:, None] + alone[None, :] - (either.T * self._weights[one]) @ either
-        area = area + (both.T * self._weights[two]) @ both
-        return area.astype(np.float64) + self.profiles.weights[short <= 0].sum()
+        sums = []
+        for site, already in enumerate(self.profiles.sums(short <= 0)):
+            # A point one view short is won by either camera, one two views short only by both.
+            one = np.flatnonzero((short == 1) & (self.profiles.site == site))
+            two = np.flatnonzero((short == 2) & (self.profiles.site == site))
+            either, both = self._seen_pairs[one], self._seen_pairs[two]
+            alone = self._weights[one] @ either
+            gained = alone[:, None] + alone[None, :] - (either.T * self._weights[one]) @ either
+            sums.append((gained + (both.T * self._weights[two]) @ both).astype(np.float64) + already)
+        return _worth(np.stack(sums))
+
+    def _sums(self, waiting: np.ndarray) -> np.ndarray:
+        """(n_sites, n_grid) weight of the `waiting` samples that each grid angle sees."""
+        sums = []
+        for site in range(self.profiles.n_sites):
+            of_site = waiting[self.profiles.site[waiting] == site]
+            # einsum, not BLAS: for products this small, threads that wait for each other cost more than they bring.
+            sums.append(np.einsum("n,ng->g", self._weights[of_site], self._seen[of_site]).astype(np.float64))
+        return np.stack(sums)
 
     def improve(self, space: LayoutSpace, angles, max_sweeps: int = 10) -> np.ndarray:
         """Move one free camera at a time to its best grid angle until no move gains anything.
@@ -117,22 +137,22 @@ class SampledCoverage:
         Returns
         -------
         (M,) ndarray
-            Ring angles [rad] with at least the area of the start.
+            Ring angles [rad] worth at least as much as the start.
         """
         theta = np.array(angles, dtype=np.float64)
-        area = self.area(theta)
+        value = self.worth(theta)
         gain_worth = 1e-6 * float(self.profiles.weights.sum())  # single precision in the matrix product
         for _ in range(max_sweeps):
-            before = area
+            before = value
             for camera in space.free_cameras(theta):
                 others = np.delete(theta, camera)
-                areas = self.areas_with_one_more(others)
-                areas[~space.allowed(self.grid, others)] = -np.inf
-                best = _middle_of_best(areas, gain_worth)
-                if areas[best] > area + gain_worth:
+                worths = self.worth_with_one_more(others)
+                worths[~space.allowed(self.grid, others)] = -np.inf
+                best = _middle_of_best(worths, gain_worth)
+                if worths[best] > value + gain_worth:
                     theta[camera] = self.grid[best]
-                    area = self.area(theta)
-            if area <= before + gain_worth:
+                    value = self.worth(theta)
+            if value <= before + gain_worth:
                 break
         return theta
 
@@ -148,16 +168,16 @@ class SampledCoverage:
         apart = np.abs(np.sin((self.pair_grid[:, None] - self.pair_grid[None, :]) / 2)) >= half_gap
         gain_worth = 1e-6 * float(self.profiles.weights.sum())
         for _ in range(max_sweeps):
-            before = self.area(theta)
+            before = self.worth(theta)
             for pair in itertools.combinations(space.free_cameras(theta), 2):
                 others = np.delete(theta, pair)
                 fits = space.allowed(self.pair_grid, others)
-                areas = np.where(apart & fits[:, None] & fits[None, :], self.areas_with_two_more(others), -np.inf)
-                best = np.unravel_index(areas.argmax(), areas.shape)
-                if areas[best] > self.area(theta) + gain_worth:
+                worths = np.where(apart & fits[:, None] & fits[None, :], self.worth_with_two_more(others), -np.inf)
+                best = np.unravel_index(worths.argmax(), worths.shape)
+                if worths[best] > self.worth(theta) + gain_worth:
                     theta[list(pair)] = self.pair_grid[list(best)]
                     theta = self.improve(space, theta)
-            if self.area(theta) <= before + gain_worth:
+            if self.worth(theta) <= before + gain_worth:
                 break
         return theta
 
@@ -169,6 +189,11 @@ class SampledCoverage:
         """(N,) bool: two cameras that see the point are far enough apart."""
         partners = self._far(theta, theta).astype(np.float32) @ seen.astype(np.float32) > 0
         return np.any(seen & partners, axis=0)
+
+
+def _worth(sums: np.ndarray) -> np.ndarray:
+    """The least along the first axis and, where there are several, MEAN_SHARE of their mean."""
+    return sums[0] if len(sums) == 1 else sums.min(axis=0) + MEAN_SHARE * sums.mean(axis=0)
 
 
 def _middle_of_best(values: np.ndarray, tolerance: float) -> int:

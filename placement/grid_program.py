@@ -8,6 +8,8 @@ Places closer than the window exclude each other. Two solvers, each with an uppe
 - a *mixed-integer program* (HiGHS) for what is too many. Points see arcs of places, so with cumulative counts
   X_k = x_0 + ... + x_k the number of cameras that see a point is a sum of few differences of X, which keeps the
   program sparse: T y_p <= sum over arcs [a, b] of X_b - X_(a-1).
+
+Points may belong to several sums (sites), of which the least is maximised.
 """
 
 import time
@@ -48,6 +50,10 @@ class GridProgram:
         Two chosen places are at least this many steps apart, around the circle too; 0 allows the same one twice.
     allowed : (K,) ndarray of bool
         Places that may be chosen.
+    site : (P,) ndarray of int
+        Sum to which each point belongs.
+    n_sites : int
+        Number of sums.
     """
 
     seen: np.ndarray
@@ -57,6 +63,12 @@ class GridProgram:
     threshold: int
     window: int
     allowed: np.ndarray
+    site: np.ndarray
+    n_sites: int = 1
+
+    def sums(self, covered: np.ndarray) -> np.ndarray:
+        """(n_sites,) weight of the points that the (P,) mask `covered` chooses."""
+        return np.bincount(self.site, weights=self.weights * covered, minlength=self.n_sites)
 
     def merged(self) -> "GridProgram":
         """The same program with points of equal profile merged, and those that cannot be decided left out."""
@@ -64,18 +76,19 @@ class GridProgram:
         if self.window > 0:
             most = self.base + np.minimum(self.n_free, self.seen[self.allowed].sum(axis=0))
         kept = (most >= self.threshold) & (self.weights > 0)
-        key = np.concatenate([np.packbits(self.seen[:, kept], axis=0), self.base[None, kept].astype(np.uint8)])
+        others = np.stack([self.base[kept], self.site[kept]]).astype(np.int32).view(np.uint8).reshape(2, -1, 4)
+        key = np.concatenate([np.packbits(self.seen[:, kept], axis=0), *others.transpose(0, 2, 1)])
         _, first, group = np.unique(key.T, axis=0, return_index=True, return_inverse=True)
         weights = np.bincount(group.reshape(-1), weights=self.weights[kept], minlength=len(first))
         return GridProgram(
-            self.seen[:, kept][:, first], weights, self.base[kept][first],
-            self.n_free, self.threshold, self.window, self.allowed,
+            self.seen[:, kept][:, first], weights, self.base[kept][first], self.n_free, self.threshold, self.window,
+            self.allowed, self.site[kept][first], self.n_sites,
         )  # fmt: skip
 
     def value(self, places) -> float:
-        """Weight of the points seen by at least `threshold` cameras, for chosen places."""
+        """Weight of the points seen by at least `threshold` cameras, for chosen places; the least of the sums."""
         count = self.base + self.seen[np.asarray(places, dtype=int)].sum(axis=0)
-        return float(self.weights[count >= self.threshold].sum())
+        return float(self.sums(count >= self.threshold).min())
 
 
 @dataclass(frozen=True)
@@ -118,7 +131,8 @@ def solve(program: GridProgram, seconds: float, gap: float) -> GridSolution:
     Examples
     --------
     >>> seen = np.array([[1, 1, 0], [1, 0, 0], [0, 1, 1], [0, 0, 1]], dtype=bool)
-    >>> program = GridProgram(seen, np.array([1.0, 2.0, 4.0]), np.zeros(3, int), 2, 2, 1, np.ones(4, bool))
+    >>> zeros = np.zeros(3, int)
+    >>> program = GridProgram(seen, np.array([1.0, 2.0, 4.0]), zeros, 2, 2, 1, np.ones(4, bool), site=zeros)
     >>> found = solve(program, seconds=10.0, gap=1e-3)
     >>> found.places, found.value, found.method
     ((2, 3), 4.0, 'enumeration')
@@ -152,28 +166,36 @@ def enumerate_all(program: GridProgram, end: float = np.inf) -> GridSolution | N
     least, most = first.min(axis=1, initial=10 * n_places), first.max(axis=1, initial=-10 * n_places)
     start, stop = second.min(axis=1, initial=10 * n_places), second.max(axis=1, initial=-10 * n_places)
 
-    best, choice = np.inf, None
+    points = [np.flatnonzero(program.site == site) for site in range(program.n_sites)]
+    best, choice = -np.inf, None
     for j in range(0, len(second), BLOCK):
         later = second[j : j + BLOCK]
         later_count = program.seen[later].sum(axis=1)
-        misses = np.concatenate(
-            [later_count <= program.threshold - 1 - t for t in range(program.threshold)], axis=1
-        ).astype(np.float32).T.copy()  # fmt: skip
+        misses = [
+            np.concatenate(
+                [later_count[:, chosen] <= program.threshold - 1 - t for t in range(program.threshold)], axis=1
+            ).astype(np.float32).T.copy()
+            for chosen in points
+        ]  # fmt: skip
         n_before = np.searchsorted(most, start[j : j + BLOCK].max() - program.window, side="right")
         for i in range(0, n_before, BLOCK):
             if time.perf_counter() > end:
                 return None
             rows = slice(i, min(i + BLOCK, n_before))
             count = program.base + program.seen[first[rows]].sum(axis=1)
-            waiting = np.concatenate([np.where(count == t, scaled, 0) for t in range(program.threshold)], axis=1)
-            missed = waiting.astype(np.float32) @ misses
+            worth = np.full((len(first[rows]), len(later)), np.inf, dtype=np.float32)
+            for chosen, missed in zip(points, misses, strict=True):
+                waiting = np.concatenate(
+                    [np.where(count[:, chosen] == t, scaled[chosen], 0) for t in range(program.threshold)], axis=1
+                )
+                np.minimum(worth, scaled[chosen].sum() - waiting.astype(np.float32) @ missed, out=worth)
             ordered = most[rows, None] + program.window <= start[None, j : j + BLOCK]
             highest = np.maximum(most[rows, None], stop[None, j : j + BLOCK])
             ordered &= (highest + program.window <= least[rows, None] + n_places) | (program.n_free < 2)
-            missed[~ordered] = np.inf
-            at = np.unravel_index(missed.argmin(), missed.shape)
-            if missed[at] < best:
-                best, choice = float(missed[at]), (*first[i + at[0]].tolist(), *later[at[1]].tolist())
+            worth[~ordered] = -np.inf
+            at = np.unravel_index(worth.argmax(), worth.shape)
+            if worth[at] > best:
+                best, choice = float(worth[at]), (*first[i + at[0]].tolist(), *later[at[1]].tolist())
     if choice is None:
         return GridSolution(None, 0.0, 0.0, "enumeration", True)
     value = program.value(choice)
@@ -183,7 +205,8 @@ def enumerate_all(program: GridProgram, end: float = np.inf) -> GridSolution | N
 def mixed_integer(program: GridProgram, seconds: float, gap: float, nodes: int | None = None) -> GridSolution:
     """Solve by HiGHS within `seconds` [s] and `nodes` to a relative `gap`; the bound holds in any case."""
     n_places, n_points = program.seen.shape
-    n_free, total = program.n_free, float(program.weights.sum()) or 1.0
+    n_free, n_sites, total = program.n_free, program.n_sites, float(program.weights.sum()) or 1.0
+    most_covered = float(program.sums(np.ones(n_points, dtype=bool)).min())
     everywhere = program.seen.all(axis=0)
     begins = program.seen & ~np.roll(program.seen, 1, axis=0)
     ends = program.seen & ~np.roll(program.seen, -1, axis=0)
@@ -192,12 +215,13 @@ def mixed_integer(program: GridProgram, seconds: float, gap: float, nodes: int |
     over_zero = program.seen[0] & program.seen[-1] & ~everywhere
     last_begins = begins[0]  # an arc that begins at place 0 needs X_(-1) = 0, not X_(K-1) = n
     constant = program.base + n_free * (over_zero.astype(int) + last_begins + everywhere)
+    spare = sparse.csr_matrix((n_points, 1))
     demands = LinearConstraint(
-        sparse.hstack([-counts, program.threshold * sparse.identity(n_points)]).tocsr(), -np.inf, constant
+        sparse.hstack([-counts, program.threshold * sparse.identity(n_points), spare]).tocsr(), -np.inf, constant
     )
     shift = sparse.identity(n_places) - sparse.eye(n_places, k=-1)
     most = np.where(program.allowed, n_free if program.window == 0 else 1, 0)
-    points = sparse.csr_matrix((n_places, n_points))
+    points = sparse.csr_matrix((n_places, n_points + 1))
     places = LinearConstraint(sparse.hstack([shift, points]).tocsr(), 0, most)  # pyright: ignore[reportArgumentType]
     constraints = [demands, places]
     if program.window > 1 and n_free > 1:
@@ -208,19 +232,27 @@ def mixed_integer(program: GridProgram, seconds: float, gap: float, nodes: int |
         together = sparse.csr_matrix((values, (rows, inside)), shape=(n_places, n_places))
         limit = 1 - n_free * (last >= n_places)
         constraints.append(LinearConstraint(sparse.hstack([together, points]).tocsr(), ub=limit))  # pyright: ignore[reportArgumentType]
-    low = np.concatenate([np.zeros(n_places), np.zeros(n_points)])
+    # The last variable is at most each of the sums, and is maximised: the least of them.
+    of_site = sparse.csr_matrix((program.weights / total, (program.site, np.arange(n_points))), (n_sites, n_points))
+    one = sparse.csr_matrix(np.ones((n_sites, 1)))
+    least = sparse.hstack([sparse.csr_matrix((n_sites, n_places)), -of_site, one])
+    constraints.append(LinearConstraint(least.tocsr(), ub=0.0))  # pyright: ignore[reportArgumentType]
+    low = np.zeros(n_places + n_points + 1)
     low[n_places - 1] = n_free
-    high = np.concatenate([np.full(n_places, float(n_free)), np.ones(n_points)])
+    high = np.concatenate([np.full(n_places, float(n_free)), np.ones(n_points + 1)])
     found = milp(
-        np.concatenate([np.zeros(n_places), -program.weights / total]),
+        np.append(np.zeros(n_places + n_points), -1.0),
         constraints=constraints,
         bounds=Bounds(low, high),  # pyright: ignore[reportArgumentType]
-        integrality=np.ones(n_places + n_points),
+        integrality=np.append(np.ones(n_places + n_points), 0),
         options={"time_limit": seconds, "mip_rel_gap": gap} | ({} if nodes is None else {"node_limit": nodes}),
     )
     bound = getattr(found, "mip_dual_bound", None)
     # Without any bound of the solver there is still this one: every point that some choice covers.
-    bound = total if bound is None or not np.isfinite(bound) else min(total, -bound * total + SINGLE_PRECISION * total)
+    if bound is None or not np.isfinite(bound):
+        bound = most_covered
+    else:
+        bound = min(most_covered, -bound * total + SINGLE_PRECISION * total)
     if found.x is None:
         infeasible = found.status == 2
         return GridSolution(None, 0.0, 0.0 if infeasible else bound, "mixed-integer program", infeasible)

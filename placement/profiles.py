@@ -39,11 +39,28 @@ class RingProfiles:
         Angle [rad] from ring angle 2 pi k / K to the nearest change of visibility of point n, positive where
         visible. pi for a point visible from everywhere, -pi for one visible from nowhere.
     weights : (N,) ndarray
-        Area each point stands for [mm²].
+        What each point counts: the area it stands for [mm²], or its share of the ring maximum.
+    site : (N,) ndarray of int
+        Sum to which each point belongs, from 0; what a layout is worth is the least of its sums.
     """
 
     signed_distance: np.ndarray
     weights: np.ndarray
+    site: np.ndarray
+
+    @staticmethod
+    def of(signed_distance: np.ndarray, weights: np.ndarray) -> "RingProfiles":
+        """Profiles of which all points belong to one sum."""
+        return RingProfiles(signed_distance, weights, np.zeros(len(weights), dtype=np.int64))
+
+    @property
+    def n_sites(self) -> int:
+        """Number of sums."""
+        return int(self.site.max(initial=0)) + 1
+
+    def sums(self, covered: np.ndarray) -> np.ndarray:
+        """(n_sites,) weight of the points that the (N,) mask `covered` chooses, site by site."""
+        return np.bincount(self.site, weights=self.weights * covered, minlength=self.n_sites)
 
     @property
     def n_angles(self) -> int:
@@ -57,7 +74,7 @@ class RingProfiles:
 
     def subset(self, keep: np.ndarray) -> "RingProfiles":
         """Profiles of the points where the (N,) mask `keep` is true."""
-        return RingProfiles(self.signed_distance[:, keep], self.weights[keep])
+        return RingProfiles(self.signed_distance[:, keep], self.weights[keep], self.site[keep])
 
     def at(self, angles) -> np.ndarray:
         """Visibility of each point from any ring angles, by periodic linear interpolation.
@@ -206,7 +223,7 @@ def ring_profiles(
         width = width / 2
         low = low + width * (visibility.pairs(samples, ring, low + width, point) == before)
     change = low + width / 2
-    return RingProfiles(_signed_distance(visible, at, point, change), samples.weights)
+    return RingProfiles.of(_signed_distance(visible, at, point, change), samples.weights)
 
 
 def _signed_distance(visible, at, point, change) -> np.ndarray:

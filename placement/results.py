@@ -9,6 +9,7 @@ import exact
 from placement.certificate import Certificate
 from placement.constraints import Constraints
 from placement.settings import Settings
+from placement.sites import Objective
 
 LIBRARIES = ("camring", "numpy", "scipy", "shapely", "trimesh", "embreex", "jax", "jaxlib", "equinox", "optimistix")
 
@@ -22,21 +23,28 @@ class Candidate:
     angles : tuple of float
         Ring angles [rad], increasing in [0, 2 pi).
     origin : str
-        "equidistant", "search", "polish" or "certificate": where it comes from.
-    soft_coverage : float or None
-        What the optimiser saw at its last temperature, as a fraction of the sampled ring maximum; None where it
-        was not asked.
-    sampled_area : float
-        Area of the samples it reconstructs [mm²]; an estimate of `area`.
-    area : float
-        Exact reconstructable area [mm²].
+        "equidistant", "search", "certificate" or "polish": where it comes from.
+    soft_coverage : float
+        What the optimiser sees at its last temperature, as a fraction of the sampled ring maximum.
+    sampled_fraction : float
+        Fraction of the sampled ring maximum that the samples say it reconstructs; an estimate of `fraction`.
+    fraction : float
+        Exact fraction of the ring maximum, over all sites as their objective says.
+    areas : (S,) tuple of float
+        Exact reconstructable area of each site [mm²].
     """
 
     angles: tuple[float, ...]
     origin: str
-    soft_coverage: float | None
-    sampled_area: float
-    area: float
+    soft_coverage: float
+    sampled_fraction: float
+    fraction: float
+    areas: tuple[float, ...]
+
+    @property
+    def area(self) -> float:
+        """Exact reconstructable area [mm²], summed over the sites."""
+        return float(sum(self.areas))
 
 
 @dataclass(frozen=True)
@@ -50,7 +58,9 @@ class SearchRecord:
     n_distinct : int
         Distinct layouts at the end.
     n_exact : int
-        Exact evaluations, the ring maximum among them.
+        Layouts evaluated exactly for this request, the ring maximum not counted.
+    n_moves : int
+        Moves of one camera tried on the exact area.
     seconds : dict
         Time for each part [s].
     """
@@ -60,49 +70,85 @@ class SearchRecord:
     n_flat: int
     n_distinct: int
     n_exact: int
+    n_moves: int
     seconds: dict[str, float] = field(compare=False)
 
 
 @dataclass(frozen=True)
+class SiteResult:
+    """Exact areas of one site.
+
+    Attributes
+    ----------
+    area : float
+        Reconstructable area with the layout proposed [mm²].
+    equidistant_area, best_equidistant_area : float
+        With the equidistant layout at phase 0 (Wachter 2021), and at the best phase tried [mm²].
+    ring_area : float
+        Ring maximum: with `settings.ring_cameras` equidistant cameras [mm²].
+    share : float
+        Part of the site in the mean over all sites.
+    mesh_hash : str
+        Fingerprint of the mesh: SHA-256 of the corners of its faces (`meshes.fingerprint`).
+    n_excluded : int
+        Number of faces that do not count.
+    is_weighted : bool
+        Whether faces counted with weights of their own; areas are weighted then.
+    """
+
+    area: float
+    equidistant_area: float
+    best_equidistant_area: float
+    ring_area: float
+    share: float
+    mesh_hash: str
+    n_excluded: int
+    is_weighted: bool
+
+    @property
+    def fraction(self) -> float:
+        """Area over ring maximum."""
+        return self.area / self.ring_area
+
+
+@dataclass(frozen=True)
 class Placement:
-    """A layout for a site, the layouts it was compared with, and how to get it again.
+    """A layout for one site or several, the layouts it was compared with, and how to get it again.
 
     Attributes
     ----------
     angles : (M,) tuple of float
         Ring angles of the best layout found [rad], increasing in [0, 2 pi).
-    area : float
-        Its exact reconstructable area [mm²].
-    equidistant_area : float
-        Exact area of the equidistant layout at phase 0 [mm²] (Wachter 2021).
-    best_equidistant_area, best_equidistant_phase : float
-        Exact area [mm²] and phase [rad] of the best equidistant layout tried, whether or not it meets the
-        constraints.
-    ring_area : float
-        Ring maximum: exact area of `settings.ring_cameras` equidistant cameras [mm²].
+    fraction : float
+        Exact area over ring maximum; of several sites the mean, or the worst, as `objective` says.
+    equidistant_fraction : float
+        The same for the equidistant layout at phase 0.
+    best_equidistant_fraction, best_equidistant_phase : float
+        The same for the best equidistant layout tried, and its phase [rad], whether or not it meets the constraints.
+    sites : (S,) tuple of SiteResult
+        Exact areas site by site.
+    objective : "mean" or "worst"
+        Over several sites.
     candidates : tuple of Candidate
         All layouts scored exactly that meet the constraints, best first; `candidates[0].angles` is `angles`.
     certificate : Certificate or None
         Bound for any layout; None if it was not asked for.
     search : SearchRecord
         Starts, failures, evaluations, times.
-    mesh_hash : str
-        Fingerprint of the mesh: SHA-256 of the corners of its faces (`meshes.fingerprint`).
-    n_excluded : int
-        Number of faces that do not count.
+    ring, n_cameras, threshold, constraints, settings, seed, versions
+        The request and the libraries: all that is needed to repeat it, with the meshes of `sites`.
     """
 
     angles: tuple[float, ...]
-    area: float
-    equidistant_area: float
-    best_equidistant_area: float
+    fraction: float
+    equidistant_fraction: float
+    best_equidistant_fraction: float
     best_equidistant_phase: float
-    ring_area: float
+    sites: tuple[SiteResult, ...]
+    objective: Objective
     candidates: tuple[Candidate, ...]
     certificate: Certificate | None
     search: SearchRecord
-    mesh_hash: str
-    n_excluded: int
     ring: exact.Ring
     n_cameras: int
     threshold: int
@@ -112,14 +158,39 @@ class Placement:
     versions: dict[str, str]
 
     @property
-    def fraction(self) -> float:
-        """Area over ring maximum."""
-        return self.area / self.ring_area
+    def area(self) -> float:
+        """Exact reconstructable area [mm²]; of several sites the sum."""
+        return sum(site.area for site in self.sites)
+
+    @property
+    def equidistant_area(self) -> float:
+        """Exact area of the equidistant layout at phase 0 [mm²] (Wachter 2021); of several sites the sum."""
+        return sum(site.equidistant_area for site in self.sites)
+
+    @property
+    def best_equidistant_area(self) -> float:
+        """Exact area of the best equidistant layout tried [mm²]; of several sites the sum."""
+        return sum(site.best_equidistant_area for site in self.sites)
+
+    @property
+    def ring_area(self) -> float:
+        """Ring maximum [mm²]; of several sites the sum."""
+        return sum(site.ring_area for site in self.sites)
+
+    @property
+    def mesh_hash(self) -> str:
+        """Fingerprints of the meshes, joined by +."""
+        return "+".join(site.mesh_hash for site in self.sites)
+
+    @property
+    def n_excluded(self) -> int:
+        """Number of faces that do not count, over all sites."""
+        return sum(site.n_excluded for site in self.sites)
 
     @property
     def gain(self) -> float:
-        """What the layout gains over the equidistant one at phase 0, as a fraction of the ring maximum."""
-        return (self.area - self.equidistant_area) / self.ring_area
+        """What the layout gains over the equidistant one at phase 0, in fractions of the ring maximum."""
+        return self.fraction - self.equidistant_fraction
 
     @property
     def smallest_separation(self) -> float:

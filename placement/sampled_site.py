@@ -1,6 +1,6 @@
 """A site as the optimiser sees it: samples on the faces turned towards the ring, and their profiles."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import trimesh
@@ -11,6 +11,9 @@ from placement.profiles import RingProfiles, Visibility, ring_profiles
 from placement.sampling import SurfaceSamples, checked_exclude, sample_surface
 from placement.settings import Settings
 
+# Ring angles at which is asked where a camera may look; what lies between is covered by a margin.
+VIEW_ANGLES = 24
+
 
 @dataclass(frozen=True, eq=False)
 class SampledSite:
@@ -19,7 +22,7 @@ class SampledSite:
     Attributes
     ----------
     samples : SurfaceSamples
-        Points on the faces that are turned towards some camera of the ring and not excluded.
+        Points where some camera of the ring may see a face that is not excluded.
     visibility : Visibility
         For asking about further cameras.
     profiles : RingProfiles
@@ -42,6 +45,8 @@ def sample_site(
     exclude: np.ndarray | None = None,
     settings: Settings | None = None,
     seed: int = 0,
+    face_weights: np.ndarray | None = None,
+    n_samples: int | None = None,
 ) -> SampledSite:
     """Sample `mesh` where the ring may see it and trace the ring profiles.
 
@@ -59,6 +64,10 @@ def sample_site(
         Number of samples and angles.
     seed : int
         Of the sample points.
+    face_weights : (F,) ndarray, optional
+        Factor by which the area of each face counts.
+    n_samples : int, optional
+        Instead of `settings.n_samples`.
 
     Raises
     ------
@@ -78,15 +87,25 @@ def sample_site(
         raise PlacementError(
             _blind(f"none of the {int((~excluded).sum())} faces that count is turned towards it", ring)
         )
-    samples = sample_surface(mesh, settings.n_samples, exclude=excluded | ~towards, seed=seed)
+    ignored = excluded | ~towards if face_weights is None else excluded | ~towards | (face_weights == 0)
+    if ignored.all():
+        raise PlacementError("every face that is turned towards the ring has weight 0; give some of them more")
+    n_samples = settings.n_samples if n_samples is None else n_samples
+    samples = sample_surface(mesh, n_samples, ignored, seed, lambda corners: in_view(corners, ring))
+    if len(samples) == 0:
+        raise PlacementError(_blind("what is turned towards it lies outside the field of view", ring))
+    if face_weights is not None:
+        samples = replace(samples, weights=samples.weights * face_weights[samples.faces])
     visibility = Visibility(mesh)
     profiles = ring_profiles(visibility, samples, ring, settings.n_angles, settings.bisections)
     if not profiles.visible.any():
         raise PlacementError(_blind(f"all {len(samples)} sample points are hidden or outside the field of view", ring))
     seen_from = profiles.at(ring.equidistant(max(settings.ring_cameras, threshold))).sum(axis=0)
-    if seen_from.max() < threshold:
+    if seen_from.max(initial=0) < threshold:
         raise PlacementError(f"no point is seen by {threshold} cameras anywhere on the ring; lower the threshold")
     ring_area = float(samples.weights[seen_from >= threshold].sum())
+    if not ring_area > 0:
+        raise PlacementError("what the ring reconstructs has weight 0; give some of the faces it sees more")
     return SampledSite(samples, visibility, _merged(profiles), ring_area)
 
 
@@ -107,6 +126,25 @@ def faces_towards(mesh: trimesh.Trimesh, ring: exact.Ring) -> np.ndarray:
     return reach > np.einsum("fi,fi->f", normals, np.asarray(mesh.triangles)[:, 0])
 
 
+def in_view(corners: np.ndarray, ring: exact.Ring) -> np.ndarray:
+    """(P,) bool: (P, 3, 3) triangles that may be inside the field of view of some camera of the ring.
+
+    The field of view turns with the camera, so a camera is taken to see all within its circumcircle; and a camera
+    between two of those asked is at most half a step of the ring away from one.
+    """
+    middle = corners.mean(axis=1)
+    radius = np.linalg.norm(corners - middle[:, None], axis=2).max(axis=1)
+    spread = np.hypot(*ring.fov) / 2 / np.hypot(ring.working_distance, ring.diameter / 2)
+    reach = (radius + np.pi / VIEW_ANGLES * ring.diameter / 2) * np.hypot(1.0, spread)
+    seen = np.zeros(len(corners), dtype=bool)
+    for camera in ring.cameras(ring.equidistant(VIEW_ANGLES)):
+        local = (middle - camera.position) @ camera.rotation.T
+        # Turning by half a step also turns the optical axis, by less than the step over the working distance.
+        turned = 2 * np.pi / VIEW_ANGLES * ring.diameter / 2 / camera.target_distance * np.abs(local[:, 2])
+        seen |= np.hypot(local[:, 0], local[:, 1]) <= spread * np.maximum(local[:, 2], 0) + reach + turned
+    return seen
+
+
 def _blind(reason: str, ring: exact.Ring) -> str:
     return (
         f"no camera on this ring sees anything: {reason}. The ring looks from {ring.working_distance:g} mm at the "
@@ -122,7 +160,7 @@ def _merged(profiles: RingProfiles) -> RingProfiles:
     if not always.any():
         return decided
     one = np.full((profiles.n_angles, 1), np.pi)
-    return RingProfiles(
+    return RingProfiles.of(
         np.concatenate([decided.signed_distance, one], axis=1),
         np.append(decided.weights, profiles.weights[always].sum()),
     )

@@ -5,6 +5,7 @@ neighbours in space, and the list is cut into N strata of equal area with one un
 sample stands for the same area, and the error of a sampled area falls faster than 1/sqrt(N).
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,7 +29,7 @@ class SurfaceSamples:
     normals : (N, 3) ndarray
         Unit normals of the faces they lie on, outwards.
     weights : (N,) ndarray
-        Area each one stands for [mm²]; they add up to the area that is not excluded.
+        Area each one stands for [mm²]; they add up to the area that is sampled.
     faces : (N,) ndarray of int
         Face each one lies on.
     """
@@ -48,7 +49,11 @@ class SurfaceSamples:
 
 
 def sample_surface(
-    mesh: trimesh.Trimesh, n_samples: int, exclude: np.ndarray | None = None, seed: int = 0
+    mesh: trimesh.Trimesh,
+    n_samples: int,
+    exclude: np.ndarray | None = None,
+    seed: int = 0,
+    within: Callable[[np.ndarray], np.ndarray] | None = None,
 ) -> SurfaceSamples:
     """Stratified sample points of the part of `mesh` that is not excluded.
 
@@ -62,6 +67,13 @@ def sample_surface(
         Faces that get no sample.
     seed : int
         Same seed, same points.
+    within : callable, optional
+        Told (P, 3, 3) corners of small triangles, says which of them may get samples, (P,) bool; all by default.
+
+    Returns
+    -------
+    SurfaceSamples
+        Without any point if `within` leaves nothing.
 
     Raises
     ------
@@ -84,12 +96,21 @@ def sample_surface(
             f"nothing is left to sample: {int((~used).sum())} of {len(used)} faces are excluded and the rest "
             "has no area; exclude fewer faces"
         )
-    stratum_area = mesh.area_faces[faces].sum() / n_samples
-    corners, parents = _cut(np.asarray(mesh.triangles)[faces], faces, PIECE_LENGTH * np.sqrt(stratum_area))
+    corners, parents, areas = np.asarray(mesh.triangles)[faces], faces, mesh.area_faces[faces]
+    sampled = np.inf
+    # Less area to sample makes smaller strata, which smaller pieces follow more closely.
+    while len(corners) and areas.sum() < 0.5 * sampled:
+        sampled = areas.sum()
+        corners, parents = _cut(corners, parents, PIECE_LENGTH * np.sqrt(sampled / n_samples))
+        if within is not None:
+            kept = within(corners)
+            corners, parents = corners[kept], parents[kept]
+        areas = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    if not areas.sum() > 0:
+        return SurfaceSamples(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0), np.zeros(0, dtype=int))
     order = np.argsort(_morton_code(corners.mean(axis=1)), kind="stable")
-    corners, parents = corners[order], parents[order]
+    corners, parents, areas = corners[order], parents[order], areas[order]
 
-    areas = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
     edges = np.concatenate([[0.0], np.cumsum(areas)])
     rng = np.random.default_rng(seed)
     along = (np.arange(n_samples) + rng.random(n_samples)) / n_samples * edges[-1]

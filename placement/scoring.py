@@ -1,81 +1,134 @@
 """The one place that turns layouts into exact areas, and what follows from them: polish."""
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
 
 import numpy as np
-import trimesh
 
 import exact
 from placement.arcs import LayoutSpace
+from placement.sites import Sites
 
-# An improvement of the exact area smaller than this fraction is rounding, not a better layout.
+# An improvement of the exact fraction smaller than this is rounding, not a better layout.
 WORTHWHILE = 1e-7
-# From this many cameras on, an evaluation is shared among processes: below, starting them takes longer.
-MANY_CAMERAS = 64
 
 
 class ExactScorer:
-    """Exact areas of layouts on one ring over one site; each layout is evaluated once.
+    """Exact areas of layouts on one ring over one site or several; each layout is evaluated once.
 
     Parameters
     ----------
-    mesh : trimesh.Trimesh
-        The site [mm].
+    sites : Sites
+        What is to be reconstructed.
     ring : exact.Ring
         The ring.
     threshold : int
         How many cameras must see a point.
-    exclude : (F,) ndarray of bool or None
-        Faces that do not count.
     min_baseline : float
         Least chord between some two of the cameras that see a point [mm].
-    on_evaluation : callable, optional
-        Called with nothing before each evaluation.
+    ring_cameras : int
+        Equidistant cameras whose exact area is the ring maximum.
+    workers : int
+        Processes that share the work; the areas do not depend on it.
 
     Examples
     --------
-    >>> scorer = ExactScorer(trimesh.creation.box((10, 10, 1)), exact.Ring(), threshold=1)
-    >>> bool(100.0 <= scorer.area([0.0]) < 120.0), scorer.n_evaluations
-    (True, 1)
+    >>> import trimesh
+    >>> from placement.sites import checked_sites
+    >>> plate = checked_sites(trimesh.creation.box((10, 10, 1)))
+    >>> scorer = ExactScorer(plate, exact.Ring(), threshold=1, ring_cameras=8)
+    >>> bool(100.0 <= scorer.areas([0.0])[0] < 120.0), bool(0.5 < scorer.fraction([0.0]) < 1.0)
+    (True, True)
     """
 
     def __init__(
         self,
-        mesh: trimesh.Trimesh,
+        sites: Sites,
         ring: exact.Ring,
         threshold: int = 2,
-        exclude: np.ndarray | None = None,
         min_baseline: float = 0.0,
-        on_evaluation: Callable[[], object] | None = None,
+        ring_cameras: int = 360,
+        workers: int = 1,
     ):
-        self._mesh, self._ring, self._exclude = mesh, ring, exclude
-        self._threshold, self._min_baseline = threshold, min_baseline
-        self._on_evaluation = on_evaluation
-        self._areas: dict[bytes, float] = {}
+        self.sites, self.ring, self.threshold, self.min_baseline = sites, ring, threshold, min_baseline
+        self._ring_cameras, self._workers = ring_cameras, workers
+        self._areas: dict[bytes, tuple[float, ...]] = {}
+        self._ring_areas: tuple[float, ...] | None = None
+        self._begun: Future | None = None
 
     @property
     def n_evaluations(self) -> int:
-        """Number of exact evaluations so far."""
+        """Number of layouts evaluated so far."""
         return len(self._areas)
 
-    def area(self, angles) -> float:
-        """Exact reconstructable area [mm²] of a layout of (M,) ring angles [rad]."""
-        theta = canonical(angles)
-        key = theta.tobytes()
-        if key not in self._areas:
-            if self._on_evaluation is not None:
-                self._on_evaluation()
-            found = exact.evaluate(
-                self._mesh,
-                self._ring.cameras(theta),
-                threshold=self._threshold,
-                exclude=self._exclude,
-                min_baseline=self._min_baseline,
-                workers=1 if len(theta) < MANY_CAMERAS else min(2, os.cpu_count() or 1),
-            )
-            self._areas[key] = float(found.area)
-        return self._areas[key]
+    def begin_ring_maximum(self) -> None:
+        """Let other processes evaluate the ring maximum while this one goes on; with one worker nothing happens."""
+        if self._workers > 1 and self._ring_areas is None and self._begun is None:
+            thread = ThreadPoolExecutor(1)
+            self._begun = thread.submit(self._ring_maximum)
+            thread.shutdown(wait=False)
+
+    @property
+    def ring_areas(self) -> tuple[float, ...]:
+        """(S,) exact area [mm²] of the ring maximum of each site."""
+        if self._ring_areas is None:
+            begun, self._begun = self._begun, None
+            self._ring_areas = self._ring_maximum() if begun is None else begun.result()
+        return self._ring_areas
+
+    def _ring_maximum(self) -> tuple[float, ...]:
+        cameras = self.ring.cameras(self.ring.equidistant(self._ring_cameras))
+        return tuple(
+            exact.evaluate(**self._request(site), cameras=cameras, workers=self._workers).area
+            for site in self.sites.members
+        )
+
+    def areas(self, angles) -> tuple[float, ...]:
+        """Exact reconstructable area [mm²] of each site for a layout of (M,) ring angles [rad]."""
+        return self.many([angles])[0]
+
+    def many(self, layouts: Sequence, report: Callable[[int], object] | None = None) -> list[tuple[float, ...]]:
+        """`areas` of several layouts; `report` is told 1 for each evaluation."""
+        turned = [canonical(layout) for layout in layouts]
+        new = list({theta.tobytes(): theta for theta in turned if theta.tobytes() not in self._areas}.values())
+        if new:
+            cameras = [self.ring.cameras(theta) for theta in new]
+            found = [
+                exact.areas(**self._request(site), layouts=cameras, workers=self._workers, report=report)
+                for site in self.sites.members
+            ]
+            for theta, of_sites in zip(new, np.stack(found, axis=1).tolist(), strict=True):
+                self._areas[theta.tobytes()] = tuple(of_sites)
+        return [self._areas[theta.tobytes()] for theta in turned]
+
+    def fraction(self, angles) -> float:
+        """Exact fraction of the ring maximum for a layout, over all sites as their objective says."""
+        return self.combined(self.areas(angles))
+
+    def combined(self, areas: Sequence[float]) -> float:
+        """Fraction of the ring maximum, over all sites, from their (S,) areas [mm²]."""
+        return self.sites.combined(np.array(areas) / np.array(self.ring_areas))
+
+    def moving(self, angles, camera: int) -> Callable[[float], float]:
+        """`fraction` of a layout as a function of the ring angle [rad] of one of its cameras, the others held."""
+        others = self.ring.cameras(np.delete(angles, camera)) if len(angles) > 1 else ()
+        layouts = [exact.OneMore(**self._request(site), others=others) for site in self.sites.members]
+        return lambda angle: self.combined([one.area(self.ring.cameras([angle])[0]) for one in layouts])
+
+    def _request(self, site) -> dict:
+        return dict(
+            mesh=site.mesh,
+            threshold=self.threshold,
+            exclude=site.excluded,
+            min_baseline=self.min_baseline,
+            weights=site.face_weights,
+        )
+
+
+def available_cores() -> int:
+    """Cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def canonical(angles) -> np.ndarray:
@@ -121,9 +174,11 @@ def distinct(layouts: list[np.ndarray], tolerance: float) -> list[int]:
 
 
 def polish(
-    scorer: ExactScorer, space: LayoutSpace, angles, steps: tuple[float, ...], max_evaluations: int
-) -> np.ndarray:
-    """Move one free camera at a time, by falling steps, as long as the exact area grows.
+    scorer: ExactScorer, space: LayoutSpace, angles, steps: tuple[float, ...], max_sweeps: int
+) -> tuple[np.ndarray, int]:
+    """Move one free camera at a time, by falling steps, as long as the exact fraction grows.
+
+    Each move computes the view of the moved camera only.
 
     Parameters
     ----------
@@ -135,31 +190,34 @@ def polish(
         Ring angles [rad] to start from.
     steps : tuple of float
         Falling step lengths [rad].
-    max_evaluations : int
-        New exact evaluations at most.
+    max_sweeps : int
+        Times that each camera gets its turn at most.
 
     Returns
     -------
     (M,) ndarray
-        Ring angles [rad] whose exact area is at least that of the start.
+        Ring angles [rad] whose exact fraction is at least that of the start.
+    int
+        Number of moves tried.
     """
-    theta = np.array(angles, dtype=np.float64)
-    best = scorer.area(theta)
-    allowance = scorer.n_evaluations + max_evaluations
-    for step in steps:
-        improved = True
-        while improved:
-            improved = False
-            for camera in space.free_cameras(theta):
-                for move in (step, -step):
-                    if scorer.n_evaluations >= allowance:
-                        return theta
-                    moved = theta.copy()
-                    moved[camera] += move
-                    if not space.allows(moved):
-                        continue
-                    area = scorer.area(moved)
-                    if area > best * (1 + WORTHWHILE):
-                        theta, best, improved = moved, area, True
-                        break
-    return theta
+    theta, n_moves = np.array(angles, dtype=np.float64), 0
+    best = scorer.fraction(theta)
+    for _ in range(max_sweeps):
+        before = best
+        for camera in space.free_cameras(theta):
+            fraction = scorer.moving(theta, camera)
+            for step in steps:
+                for direction in (step, -step):
+                    while True:
+                        moved = theta.copy()
+                        moved[camera] += direction
+                        if not space.allows(moved):
+                            break
+                        n_moves += 1
+                        found = fraction(float(moved[camera]))
+                        if found <= best + WORTHWHILE:
+                            break
+                        theta, best = moved, found
+        if best <= before + WORTHWHILE:
+            break
+    return theta, n_moves

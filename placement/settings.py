@@ -16,7 +16,9 @@ class Settings:
     Parameters
     ----------
     n_samples : int
-        Sample points on the faces that are turned towards the ring.
+        Sample points where the ring may see a site; several sites share them.
+    least_samples : int
+        Sample points that each of several sites gets all the same.
     n_angles, bisections : int
         Grid angles of the ring profiles, and further rays that locate each change of visibility between them.
     temperatures : tuple of float
@@ -39,8 +41,8 @@ class Settings:
         Two candidates are the same if no camera differs by more than this [rad].
     polish_steps : tuple of float
         Falling steps of moving one camera at a time under the exact area [rad]; empty for none.
-    polish_evaluations : int
-        Exact evaluations for that at most.
+    polish_sweeps : int
+        Times that each camera gets its turn at most.
     certificate_step : float
         Step of the grid on which the best layout is proven [rad].
     certificate_seconds : float
@@ -57,6 +59,7 @@ class Settings:
     """
 
     n_samples: int = 8192
+    least_samples: int = 2048
     n_angles: int = 120
     bisections: int = 5
     temperatures: tuple[float, ...] = (0.5, 0.2, 0.08, 0.03)
@@ -69,8 +72,8 @@ class Settings:
     exact_phases: int = 3
     exact_candidates: int = 6
     distinct_tolerance: float = float(np.radians(1.0))
-    polish_steps: tuple[float, ...] = (0.02, 0.01, 0.005)
-    polish_evaluations: int = 24
+    polish_steps: tuple[float, ...] = (0.04, 0.02, 0.01, 0.005)
+    polish_sweeps: int = 2
     certificate_step: float = float(np.radians(5.0))
     certificate_seconds: float = 60.0
     ring_cameras: int = 360
@@ -80,7 +83,7 @@ class Settings:
             "n_angles": 4,
             "n_grid": 4,
             "bisections": 0,
-            "polish_evaluations": 0,
+            "polish_sweeps": 0,
             "n_start_phases": 0,
             "n_pair_searches": 0,
         }

@@ -12,6 +12,9 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+# Width of the soft minimum over several sites, in fractions: what differs by less counts about alike.
+SOFT_MINIMUM = 0.01
+
 
 class Baseline(NamedTuple):
     """Two of the views that reconstruct a point must be at least `minimum` apart."""
@@ -96,12 +99,12 @@ def apart(
 def soft_coverage(
     angles: Float[Array, " M"],
     signed_distance: Float[Array, "K N"],
-    weights: Float[Array, " N"],
+    weights: Float[Array, "S N"],
     temperature: Float[Array, ""],
     threshold: int = 2,
     baseline: Baseline | None = None,
 ) -> Float[Array, ""]:
-    """Weighted mean over the points of the soft probability of being reconstructable.
+    """Weighted sum over the points of the soft probability of being reconstructable; the least of several sums.
 
     Parameters
     ----------
@@ -109,8 +112,9 @@ def soft_coverage(
         Ring angles [rad], in any order.
     signed_distance : (K, N) Array
         Ring profiles [rad].
-    weights : (N,) Array
-        Area of each point [mm²]; only their ratios count.
+    weights : (S, N) Array
+        What each point counts in each of S sums. With shares of the ring maximum the result is a fraction of it. Of
+        several sums the soft minimum is taken, which is below the least by at most SOFT_MINIMUM x log S.
     temperature : () Array
         Width of the step from unseen to seen [rad], positive. An array, not a Python float: a jitted caller
         would compile again for each value of the latter.
@@ -122,12 +126,12 @@ def soft_coverage(
     Returns
     -------
     () Array
-        Between 0 and 1; 0 for no points or weights that are all 0.
+        At least 0, but for the soft minimum, and at most the greatest sum of weights; 0 for no points.
 
     Examples
     --------
     >>> seen_from_the_right = jnp.array([[1.5], [0.0], [-1.5], [0.0]])
-    >>> cold, weights = jnp.asarray(1e-3), jnp.ones(1)
+    >>> cold, weights = jnp.asarray(1e-3), jnp.ones((1, 1))
     >>> round(float(soft_coverage(jnp.array([-0.5, 0.5]), seen_from_the_right, weights, cold)), 9)
     1.0
     >>> round(float(soft_coverage(jnp.array([0.5, 2.5]), seen_from_the_right, weights, cold)), 9)
@@ -137,5 +141,7 @@ def soft_coverage(
     covered = at_least(probabilities, threshold)
     if baseline is not None:
         covered = covered * apart(angles, probabilities, baseline, temperature)
-    total = weights.sum()
-    return jnp.where(total > 0, (weights * covered).sum() / jnp.where(total > 0, total, 1.0), 0.0)
+    sums = weights @ covered
+    if sums.shape[0] == 1:
+        return sums[0]
+    return -SOFT_MINIMUM * jax.nn.logsumexp(-sums / SOFT_MINIMUM)

@@ -7,7 +7,7 @@ import trimesh
 
 import exact
 from placement.profiles import Visibility
-from placement.sampled_site import faces_towards
+from placement.sampled_site import faces_towards, in_view
 from placement.sampling import checked_exclude, sample_surface
 
 
@@ -60,7 +60,7 @@ def triangulation(
     exclude : (F,) ndarray of bool, optional
         Faces that do not count.
     n_samples : int
-        Sample points on the faces turned towards the ring.
+        Sample points where the ring may see the surface.
     seed : int
         Of the samples.
 
@@ -82,7 +82,9 @@ def triangulation(
     ignored = checked_exclude(mesh, exclude) | ~faces_towards(mesh, ring)
     if ignored.all():
         return Triangulation(smallest, 0.0, 0.0, np.zeros(0), np.zeros(0))
-    samples = sample_surface(mesh, n_samples, exclude=ignored, seed=seed)
+    samples = sample_surface(mesh, n_samples, ignored, seed, lambda corners: in_view(corners, ring))
+    if len(samples) == 0:
+        return Triangulation(smallest, 0.0, 0.0, np.zeros(0), np.zeros(0))
     seen = Visibility(mesh).from_angles(samples, ring, theta)
     reconstructed = seen.sum(axis=0) >= threshold
     if not reconstructed.any():

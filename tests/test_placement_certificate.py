@@ -13,14 +13,13 @@ from placement.certificate import cells_of, certify_samples, grid_of, measure
 from placement.exchange import SampledCoverage
 from placement.grid_program import GridProgram, enumerate_all, mixed_integer, solve
 from placement.profiles import RingProfiles
-from placement.sampled_site import SampledSite
 
 RING = exact.Ring()
 QUICK = Settings(n_samples=600, n_angles=40, certificate_step=float(np.radians(15)), ring_cameras=120)
 
 
-def made_up_site(seed, n_points=120, n_angles=40):
-    """Profiles of one or two arcs, as on real sites, without a mesh."""
+def made_up_site(seed, n_points=120, n_angles=40, n_sites=1):
+    """Profiles of one or two arcs, as on real sites, without a mesh; weights are shares of the ring maximum."""
     rng = np.random.default_rng(seed)
     grid = TURN * np.arange(n_angles) / n_angles
     middle, half_width = rng.uniform(0, TURN, n_points), rng.uniform(0.2, 2.0, n_points)
@@ -31,9 +30,8 @@ def made_up_site(seed, n_points=120, n_angles=40):
     distance = np.maximum(
         arc(middle, half_width), np.where(rng.random(n_points) < 0.6, arc(middle + np.pi, half_width / 2), -1)
     )
-    profiles = RingProfiles(distance, rng.uniform(0.5, 2.0, n_points))
-    ring_area = float(profiles.weights[(profiles.visible.sum(axis=0) >= 2)].sum())
-    return SampledSite(None, None, profiles, ring_area)  # type: ignore[arg-type]
+    visible, weights = distance > 0, rng.uniform(0.5, 2.0, n_points)
+    return RingProfiles(distance, weights / weights[visible.sum(axis=0) >= 2].sum(), np.arange(n_points) % n_sites)
 
 
 def brute_force(program):
@@ -47,8 +45,9 @@ def brute_force(program):
     return best
 
 
+@pytest.mark.parametrize("n_sites", [1, 3])
 @pytest.mark.parametrize("seed", range(25))
-def test_both_solvers_against_trying_every_choice(seed):
+def test_both_solvers_against_trying_every_choice(seed, n_sites):
     rng = np.random.default_rng(seed)
     n_places, n_points = int(rng.integers(6, 12)), 25
     starts, lengths = rng.integers(0, n_places, n_points), rng.integers(0, n_places + 1, n_points)
@@ -57,6 +56,7 @@ def test_both_solvers_against_trying_every_choice(seed):
     program = GridProgram(
         seen, rng.uniform(0.1, 3, n_points), rng.integers(0, 2, n_points), n_free=seed % 5,
         threshold=1 + seed % 3, window=int(rng.integers(0, 3)), allowed=rng.random(n_places) < 0.85,
+        site=rng.integers(0, n_sites, n_points), n_sites=n_sites,
     )  # fmt: skip
     best = brute_force(program)
     merged = program.merged()
@@ -74,14 +74,14 @@ def test_both_solvers_against_trying_every_choice(seed):
 
 def test_blocks_of_halves_leave_nothing_out(monkeypatch):
     site = made_up_site(5)
-    program = grid_of(site.profiles, LayoutSpace(RING, 4, Constraints(0.0)), 2, 18)
+    program = grid_of(site, LayoutSpace(RING, 4, Constraints(0.0)), 2, 18)
     whole = enumerate_all(program)
     monkeypatch.setattr("placement.grid_program.BLOCK", 7)
     assert enumerate_all(program) == whole
 
 
 def test_enumeration_stops_at_its_time_and_the_bound_of_the_program_still_holds():
-    program = grid_of(made_up_site(1).profiles, LayoutSpace(RING, 5, Constraints()), 2, 72)
+    program = grid_of(made_up_site(1), LayoutSpace(RING, 5, Constraints()), 2, 72)
     assert enumerate_all(program, end=0.0) is None
     hurried = mixed_integer(program.merged(), seconds=1e-3, gap=1e-6)
     assert hurried.bound >= enumerate_all(program.merged()).value - 1e-9
@@ -99,21 +99,21 @@ REQUESTS = [
 
 
 @pytest.mark.parametrize(("n_cameras", "threshold", "constraints"), REQUESTS)
-@pytest.mark.parametrize("seed", [0, 1])
-def test_no_layout_exceeds_the_bounds(n_cameras, threshold, constraints, seed):
-    site = made_up_site(seed)
+@pytest.mark.parametrize(("seed", "n_sites"), [(0, 1), (1, 1), (2, 3)])
+def test_no_layout_exceeds_the_bounds(n_cameras, threshold, constraints, seed, n_sites):
+    site = made_up_site(seed, n_sites=n_sites)
     space = LayoutSpace(RING, n_cameras, constraints)
     certificate = certify_samples(site, space, threshold, QUICK)
-    coverage = SampledCoverage(site.profiles, threshold, n_grid=120)
+    coverage = SampledCoverage(site, threshold, n_grid=120)
     rng = np.random.default_rng(seed)
     layouts = [space.random(rng) for _ in range(150)]
     layouts += [coverage.improve(space, layout) for layout in layouts[:5]]
-    best = max(coverage.area(layout) for layout in layouts) / site.ring_area
+    best = max(coverage.fraction(layout) for layout in layouts)
     assert best <= certificate.bound_fraction + 1e-12
     if certificate.grid_angles is not None:
         assert certificate.grid_fraction <= certificate.grid_bound_fraction
         assert certificate.grid_fraction <= certificate.bound_fraction + 1e-12
-        assert coverage.area(certificate.grid_angles) / site.ring_area == pytest.approx(certificate.grid_fraction)
+        assert coverage.fraction(certificate.grid_angles) == pytest.approx(certificate.grid_fraction)
         assert constraints.violations(RING, certificate.grid_angles) == []
 
 
@@ -122,10 +122,10 @@ def test_grid_bound_is_the_best_of_all_layouts_on_the_grid(n_cameras):
     site, threshold = made_up_site(3), min(2, n_cameras)
     space = LayoutSpace(RING, n_cameras, Constraints())
     certificate = certify_samples(site, space, threshold, QUICK)
-    coverage = SampledCoverage(site.profiles, threshold)
+    coverage = SampledCoverage(site, threshold)
     grid = np.radians(15) * np.arange(24)
     every = [list(layout) for layout in itertools.combinations(grid, n_cameras) if space.allows(layout)]
-    best = max(coverage.area(layout) for layout in every) / site.ring_area
+    best = max(coverage.fraction(layout) for layout in every)
     assert certificate.grid_fraction == pytest.approx(best, rel=1e-12)
     assert best <= certificate.grid_bound_fraction <= best + 1e-4
     assert certificate.proven and certificate.method == "enumeration"
@@ -135,14 +135,14 @@ def test_cells_are_never_less_than_what_any_angle_in_them_sees():
     site, space = made_up_site(2), LayoutSpace(RING, 3, Constraints())
     angles = np.random.default_rng(0).uniform(0, TURN, 500)
     for n_cells in (7, 24, 72, 144):
-        cells = cells_of(site.profiles, space, 2, n_cells)
+        cells = cells_of(site, space, 2, n_cells)
         inside = cells.seen[np.floor(angles / TURN * n_cells).astype(int)]
-        assert not (site.profiles.at(angles) & ~inside).any()
+        assert not (site.at(angles) & ~inside).any()
 
 
 def test_smaller_cells_give_a_tighter_bound():
     site, space = made_up_site(4), LayoutSpace(RING, 3, Constraints())
-    bounds = [solve(cells_of(site.profiles, space, 2, n), 20.0, 1e-6).bound for n in (12, 24, 48)]
+    bounds = [solve(cells_of(site, space, 2, n), 20.0, 1e-6).bound for n in (12, 24, 48)]
     assert bounds[0] >= bounds[1] >= bounds[2]
 
 

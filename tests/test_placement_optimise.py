@@ -12,11 +12,12 @@ from placement.arcs import LayoutSpace
 from placement.exchange import SampledCoverage
 from placement.sampled_site import sample_site
 from placement.scoring import ExactScorer, polish
+from placement.sites import checked_sites
 
 RING = exact.Ring()
 QUICK = Settings(
     n_samples=1200, n_angles=48, n_starts=6, n_start_phases=2, exact_candidates=3, exact_phases=2,
-    polish_steps=(0.02,), polish_evaluations=6, ring_cameras=16, certificate_step=float(np.radians(15)),
+    polish_steps=(0.02,), polish_sweeps=1, ring_cameras=16, certificate_step=float(np.radians(15)),
 )  # fmt: skip
 
 
@@ -66,8 +67,9 @@ def test_candidates_are_distinct_and_meet_the_constraints(placed):
     for found in placed.candidates:
         assert placed.constraints.violations(RING, found.angles) == []
         assert list(found.angles) == sorted(found.angles) and 0 <= found.angles[0] and found.angles[-1] < 2 * np.pi
-        assert abs(found.sampled_area - found.area) < 0.03 * placed.ring_area
-        assert found.soft_coverage is None or 0 <= found.soft_coverage <= 1.001
+        assert found.fraction == found.area / placed.ring_area
+        assert abs(found.sampled_fraction - found.fraction) < 0.03
+        assert abs(found.soft_coverage - found.fraction) < 0.06
     assert placed.smallest_separation >= 5.0
     assert len({found.angles for found in placed.candidates}) == len(placed.candidates)
 
@@ -109,7 +111,7 @@ CASES = [
 
 @pytest.mark.parametrize(("n_cameras", "threshold", "constraints"), CASES)
 def test_constraints_hold(bars, n_cameras, threshold, constraints):
-    settings = dataclasses.replace(QUICK, polish_evaluations=3, n_starts=4)
+    settings = dataclasses.replace(QUICK, polish_sweeps=1, n_starts=4)
     result = placement.optimise(bars, RING, n_cameras, threshold, constraints=constraints, settings=settings)
     assert len(result.angles) == n_cameras
     assert constraints.violations(RING, result.angles) == []
@@ -128,17 +130,26 @@ def test_moving_one_camera_never_loses_sampled_area(bars):
         start = space.random(rng)
         once = coverage.improve(space, start)
         twice = coverage.improve_pairs(space, once)
-        assert coverage.area(start) <= coverage.area(once) <= coverage.area(twice)
+        assert coverage.fraction(start) <= coverage.fraction(once) <= coverage.fraction(twice)
         assert space.allows(once) and space.allows(twice)
 
 
-def test_polish_only_climbs_and_keeps_its_allowance(bars):
-    scorer, space = ExactScorer(bars, RING), LayoutSpace(RING, 3, Constraints())
+def test_polish_only_climbs(bars):
+    scorer = ExactScorer(checked_sites(bars), RING, ring_cameras=16)
+    space = LayoutSpace(RING, 3, Constraints(fixed=(0.2,)))
     start = RING.equidistant(3, 0.2)
-    area = scorer.area(start)
-    end = polish(scorer, space, start, steps=(0.1, 0.03), max_evaluations=9)
-    assert scorer.area(end) > area and scorer.n_evaluations <= 10
+    end, n_moves = polish(scorer, space, start, steps=(0.1, 0.03), max_sweeps=2)
+    assert scorer.fraction(end) > scorer.fraction(start) and n_moves > 4
     assert space.allows(end)
+
+
+def test_moving_one_camera_is_scored_as_the_whole_layout_is(bars):
+    scorer = ExactScorer(checked_sites([bars, bars], objective="worst"), RING, min_baseline=9.0, ring_cameras=16)
+    layout = np.array([0.3, 1.9, 4.0, 5.0])
+    fraction = scorer.moving(layout, 2)
+    for angle in (3.0, 3.3):
+        moved = np.array([0.3, 1.9, angle, 5.0])
+        assert fraction(angle) == pytest.approx(scorer.fraction(moved), abs=1e-12)
 
 
 def test_progress_counts_up_to_its_total(bars):
@@ -147,7 +158,7 @@ def test_progress_counts_up_to_its_total(bars):
     placement.optimise(
         bars, RING, n_cameras=2, settings=settings, progress=lambda what, done, total: told.append((what, done, total))
     )
-    stages = ["tracing ring profiles", "searching", "bounding any layout", "scoring exactly"]
+    stages = ["tracing ring profiles", "searching", "bounding any layout", "scoring exactly", "ring maximum", "polishing"]
     assert list(dict.fromkeys(what for what, _, _ in told)) == stages
     assert all(0 <= done <= total for _, done, total in told)
     assert told[-1][1] == told[-1][2]
@@ -195,7 +206,7 @@ def error_cases(bars):
         "all excluded": (dict(exclude=np.ones(n_faces, dtype=bool)), f"all {n_faces} faces are excluded"),
         "outside": (
             dict(mesh=low),
-            "no camera on this ring sees anything: all 1200 sample points are",
+            "no camera on this ring sees anything: what is turned towards it lies outside the field of view",
         ),
         "from behind": (
             dict(ring=exact.Ring(axis=(0, 0, -1)), exclude=bars.face_normals[:, 2] < 0.5),

@@ -96,7 +96,7 @@ def test_one_step_narrow_arcs_survive():
     visible = np.zeros((8, 1), dtype=bool)
     visible[3] = True
     distance = np.where(visible, 0.1, -0.5)
-    assert RingProfiles(distance, np.ones(1)).at([2 * np.pi * 3 / 8 + 4 * np.pi])[0, 0]
+    assert RingProfiles.of(distance, np.ones(1)).at([2 * np.pi * 3 / 8 + 4 * np.pi])[0, 0]
 
 
 def test_faces_towards_finds_every_face_a_camera_can_see():

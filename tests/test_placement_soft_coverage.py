@@ -12,7 +12,8 @@ from jaxtyping import TypeCheckError, install_import_hook
 from placement import soft_coverage as module_under_test
 from placement.exchange import SampledCoverage
 from placement.profiles import RingProfiles
-from placement.soft_coverage import Baseline, at_least, signed_distances
+from placement.soft_coverage import SOFT_MINIMUM, Baseline, at_least, signed_distances
+from placement.surrogate import Surrogate
 
 COLD = jnp.asarray(1e-9)
 soft_coverage = jax.jit(module_under_test.soft_coverage, static_argnums=4)
@@ -26,11 +27,12 @@ def profiles():
     middle, half_width = rng.uniform(0, 2 * np.pi, 200), rng.uniform(0.2, 2.5, 200)
     distance = half_width - np.abs(np.angle(np.exp(1j * (grid[:, None] - middle))))
     distance[:, 0], distance[:, 1] = np.pi, -np.pi
-    return RingProfiles(distance, rng.uniform(0.5, 2.0, 200))
+    return RingProfiles.of(distance, rng.uniform(0.5, 2.0, 200))
 
 
 def arrays(profiles):
-    return jnp.asarray(profiles.signed_distance), jnp.asarray(profiles.weights)
+    """Profiles and one row of weights that add up to 1."""
+    return jnp.asarray(profiles.signed_distance), jnp.asarray(profiles.weights[None] / profiles.weights.sum())
 
 
 @pytest.mark.parametrize(("n_events", "threshold"), [(1, 1), (2, 1), (4, 2), (5, 3), (6, 6), (3, 5)])
@@ -54,7 +56,7 @@ def test_cold_soft_coverage_is_the_hard_coverage_of_the_samples(profiles, thresh
     for _ in range(10):
         angles = rng.uniform(-10, 10, 5)
         soft = soft_coverage(jnp.asarray(angles), *arrays(profiles), COLD, threshold, baseline)
-        assert float(soft) * profiles.weights.sum() == pytest.approx(hard.area(angles), abs=1e-9)
+        assert float(soft) * profiles.weights.sum() == pytest.approx(hard.fraction(angles), abs=1e-9)
 
 
 @pytest.mark.parametrize("threshold", [1, 2, 3])
@@ -62,11 +64,33 @@ def test_cold_soft_coverage_is_the_hard_coverage_of_the_samples(profiles, thresh
 def test_moving_cameras_over_the_grid_agrees_with_the_area_of_each_layout(profiles, threshold, min_baseline):
     hard = SampledCoverage(profiles, threshold, 30.0, min_baseline, n_grid=24)
     others = np.array([0.3, 2.2, 4.0])
-    expected = [hard.area([*others, angle]) for angle in hard.grid]
-    assert np.abs(hard.areas_with_one_more(others) - expected).max() < 1e-3  # single precision
+    expected = [hard.worth([*others, angle]) for angle in hard.grid]
+    assert np.abs(hard.worth_with_one_more(others) - expected).max() < 1e-3  # single precision
     if min_baseline == 0.0:
-        pairs = [[hard.area([*others[:2], a, b]) for a in hard.pair_grid] for b in hard.pair_grid]
-        assert np.abs(hard.areas_with_two_more(others[:2]) - pairs).max() < 1e-3
+        pairs = [[hard.worth([*others[:2], a, b]) for a in hard.pair_grid] for b in hard.pair_grid]
+        assert np.abs(hard.worth_with_two_more(others[:2]) - pairs).max() < 1e-3
+
+
+@pytest.fixture(scope="module")
+def two_sites(profiles):
+    """The same points, dealt out to two sites of which one is harder to see."""
+    hard_ones = np.argsort(profiles.visible.sum(axis=0)) < 100
+    return RingProfiles(profiles.signed_distance, profiles.weights / profiles.weights.sum(), hard_ones.astype(np.int64))
+
+
+@pytest.mark.parametrize("min_baseline", [0.0, 12.0])
+def test_of_several_sites_the_least_counts(two_sites, min_baseline):
+    hard = SampledCoverage(two_sites, 2, 30.0, min_baseline, n_grid=24)
+    soft = Surrogate(two_sites, 2, 30.0, min_baseline)
+    others = np.array([0.3, 2.2, 4.0])
+    alone = [SampledCoverage(two_sites.subset(two_sites.site == k), 2, 30.0, min_baseline) for k in (0, 1)]
+    sums = [float(part.profiles.weights[part.covered(others)].sum()) for part in alone]
+    assert hard.fraction(others) == pytest.approx(min(sums), abs=1e-12)
+    assert 0 <= min(sums) - soft.at(others, 1e-9) + 1e-12 <= SOFT_MINIMUM * np.log(2) + 1e-9
+    assert np.abs(hard.worth_with_one_more(others) - [hard.worth([*others, a]) for a in hard.grid]).max() < 1e-5
+    if min_baseline == 0.0:
+        pairs = [[hard.worth([*others[:2], a, b]) for a in hard.pair_grid] for b in hard.pair_grid]
+        assert np.abs(hard.worth_with_two_more(others[:2]) - pairs).max() < 1e-5
 
 
 def test_permuting_cameras_and_full_turns_change_nothing(profiles):
@@ -125,8 +149,8 @@ def test_finite_value_and_gradient_at_traps(profiles, trap, min_baseline, points
     angles, temperature = TRAPS[trap]
     distance, weights = arrays(profiles)
     column = {"all": slice(None), "always visible": [0], "never visible": [1], "none": [], "without weight": [2]}
-    index = jnp.arange(weights.shape[0])[jnp.asarray(column[points], int) if points != "all" else slice(None)]
-    distance, weights = distance[:, index], weights[index] * (0.0 if points == "without weight" else 1.0)
+    index = jnp.arange(weights.shape[1])[jnp.asarray(column[points], int) if points != "all" else slice(None)]
+    distance, weights = distance[:, index], weights[:, index] * (0.0 if points == "without weight" else 1.0)
     baseline = None if min_baseline is None else Baseline(jnp.asarray(30.0), jnp.asarray(min_baseline))
     value, gradient = value_and_gradient(jnp.asarray(angles), distance, weights, jnp.asarray(temperature), 2, baseline)
     assert np.isfinite(value) and -1e-12 <= value <= 1 + 1e-12

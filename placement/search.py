@@ -1,0 +1,54 @@
+"""Candidates: soft descent from many starts, then moves of one and two cameras on the samples; the distinct ends."""
+
+import numpy as np
+
+from placement.arcs import LayoutSpace
+from placement.descent import descend
+from placement.layout import Arcs
+from placement.problem import Problem
+from placement.scoring import distinct
+
+
+def search(problem: Problem, space: LayoutSpace) -> tuple[list[np.ndarray], dict[str, int]]:
+    """Distinct layouts, the one that reconstructs most of the samples first, and counts of what happened."""
+    if space.n_free == 0:
+        return [np.array(space.constraints.fixed)], dict(n_starts=0, n_failed=0, n_flat=0, n_distinct=1)
+    settings, (coverage, surrogate) = problem.settings, problem.coverage(space.constraints)
+    starts = _starts(problem, space)
+    parameters, arcs = zip(*(space.parameters(start) for start in starts), strict=True)
+    stacked = None
+    if not space.is_whole:
+        stacked = Arcs(*(np.stack([getattr(a, name) for a in arcs]) for name in Arcs._fields))  # pyright: ignore[reportArgumentType]
+    ends = descend(
+        np.stack(parameters),
+        stacked,
+        surrogate,
+        minimum_gap=space.minimum_gap,
+        temperatures=settings.temperatures,
+        max_steps=settings.max_steps,
+    )
+    usable = [end for end, failed in zip(ends.angles, ends.failed, strict=True) if not failed and space.allows(end)]
+    # From the starts too: where the soft landscape leads all starts past an optimum, moving one camera may find it.
+    found = usable + [coverage.improve(space, layout) for layout in usable + starts]
+    leading = _distinct(found, problem, space)[: settings.n_pair_searches]
+    kept = _distinct(found + [coverage.improve_pairs(space, layout) for layout in leading], problem, space)
+    counts = dict(
+        n_starts=len(starts), n_failed=int(ends.failed.sum()), n_flat=int(ends.flat.sum()), n_distinct=len(kept)
+    )
+    return kept, counts
+
+
+def _distinct(layouts: list[np.ndarray], problem: Problem, space: LayoutSpace) -> list[np.ndarray]:
+    """Best on the samples first, one of each group of nearly equal layouts."""
+    coverage, _ = problem.coverage(space.constraints)
+    ranked = sorted(layouts, key=lambda layout: -coverage.worth(layout))
+    return [ranked[i] for i in distinct(ranked, problem.settings.distinct_tolerance)]
+
+
+def _starts(problem: Problem, space: LayoutSpace) -> list[np.ndarray]:
+    """Equidistant layouts at several phases where they are allowed, then random ones."""
+    settings, rng = problem.settings, np.random.default_rng([problem.seed, 1])
+    phases = 2 * np.pi / space.n_cameras * np.arange(settings.n_start_phases) / max(settings.n_start_phases, 1)
+    even = [space.ring.equidistant(space.n_cameras, phase) for phase in phases]
+    starts = [layout for layout in even if space.allows(layout)][: settings.n_starts]
+    return starts + [space.random(rng) for _ in range(settings.n_starts - len(starts))]
