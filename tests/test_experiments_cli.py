@@ -15,19 +15,6 @@ import meshes
 from experiments.cli import main
 
 
-@pytest.fixture
-def camring(capsys):
-    """Run the command; give its exit status, what it printed, and what it said on stderr."""
-
-    def run(*arguments):
-        with pytest.raises(SystemExit) as end:
-            main([str(argument) for argument in arguments])
-        printed = capsys.readouterr()
-        return end.value.code or 0, printed.out, printed.err
-
-    return run
-
-
 @pytest.fixture(scope="module")
 def scan(tmp_path_factory):
     """A file that is not built in, with a blank and a non-Latin letter in its name."""

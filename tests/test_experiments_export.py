@@ -36,19 +36,6 @@ LAYOUTS = {
 ALL = "colmap,transforms,opencv,glb,csv"
 
 
-@pytest.fixture
-def camring(capsys):
-    """Run the command; give its exit status, what it printed, and what it said on stderr."""
-
-    def run(*arguments):
-        with pytest.raises(SystemExit) as end:
-            main([str(argument) for argument in arguments])
-        printed = capsys.readouterr()
-        return end.value.code or 0, printed.out, printed.err
-
-    return run
-
-
 @pytest.fixture(scope="module")
 def scan(tmp_path_factory):
     path = tmp_path_factory.mktemp("scans") / "plate & box.stl"
