@@ -1,5 +1,7 @@
 """What fixed cameras and forbidden arcs leave of the ring: for how many cameras, and how far apart."""
 
+import math
+
 import numpy as np
 
 import exact
@@ -80,7 +82,7 @@ def offered(length: float) -> float:
     >>> offered(6.3699)
     6.36
     """
-    return round(OFFER_STEP * np.floor(length / OFFER_STEP), 2)
+    return round(OFFER_STEP * math.floor(length / OFFER_STEP), 2)
 
 
 def widest_pair(constraints: Constraints, gap: float, n_cameras: int) -> float:
