@@ -56,7 +56,7 @@ class Exported:
     def __init__(self, folder, name, scan):
         ring, angles, resolution = LAYOUTS[name]
         write_layout(folder / "layout.json", ring, angles)
-        self.folder, self.scan = folder / "out", scan
+        self.folder, self.scan, self.angles_deg = folder / "out", scan, angles
         size = [] if resolution is None else ["--resolution", f"{resolution[0]}x{resolution[1]}"]
         with pytest.raises(SystemExit) as end:
             main(["export", str(folder / "layout.json"), "--format", ALL, "--mesh", str(scan), *size,
@@ -136,6 +136,7 @@ def test_table_says_the_same(exported):
     assert [row["camera"] for row in rows] == exported.names
     assert [row["image"] for row in rows] == [f"{name}.png" for name in exported.names]
     pixels = []
+    assert [float(row["ring_angle_deg"]) for row in rows] == pytest.approx(exported.angles_deg)
     for row in rows:
         assert (int(row["width_px"]), int(row["height_px"])) == exported.resolution
         away = exported.points - [float(row[f"{axis}_mm"]) for axis in "xyz"]
@@ -173,6 +174,7 @@ def test_gltf_cameras_project_the_same(exported):
     assert file.scenes[0].extras["unit"] == "metre"
     nodes = [node for node in file.nodes if node.camera is not None]
     assert [node.name for node in nodes] == exported.names
+    assert [node.extras["ring_angle_deg"] for node in nodes] == pytest.approx(exported.angles_deg)
     roots = {file.nodes[number].name for number in file.scenes[0].nodes}
     assert set(exported.names) <= roots  # their matrices are those of the world
     gltf_points = np.stack([exported.points[:, 0], exported.points[:, 2], -exported.points[:, 1]]) / 1000
