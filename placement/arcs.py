@@ -10,10 +10,10 @@ from collections.abc import Iterator
 import numpy as np
 
 import exact
-from placement.constraints import GAP_MARGIN, LENGTH_TOLERANCE, Constraints
+from placement.constraints import GAP_MARGIN, LENGTH_TOLERANCE, Constraints, offered
 from placement.errors import PlacementError
 from placement.layout import Arcs, arcs_from_angles, gaps_from_angles
-from placement.open_arcs import TURN, greatest_separation, most_cameras, offered, open_arcs, widest_pair
+from placement.open_arcs import TURN, greatest_separation, most_cameras, open_arcs, widest_pair
 
 
 class LayoutSpace:

@@ -1,5 +1,6 @@
 """What a layout must respect: room between housings, baselines, fixed cameras, forbidden arcs."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,6 +13,8 @@ from placement.errors import PlacementError
 GAP_MARGIN = 1e-9
 # Two numbers that differ by less [mm] count as equal when a finished layout is checked.
 LENGTH_TOLERANCE = 1e-9
+# What is offered in place of what is infeasible is rounded down to this step [mm, degrees].
+OFFER_STEP = 0.01
 
 
 @dataclass(frozen=True)
@@ -98,7 +101,7 @@ class Constraints:
             widest = 2 * np.arcsin(ring.diameter / 2 / distance)
             raise PlacementError(
                 f"no two cameras are {baseline:.4g} mm apart on a ring of {ring.diameter:g} mm; ask for a baseline "
-                f"of at most {ring.diameter:g} mm or an angle of at most {np.degrees(widest):.3g} degrees"
+                f"of at most {ring.diameter:g} mm or an angle of at most {offered(np.degrees(widest)):g} degrees"
             )
         return baseline
 
@@ -134,6 +137,17 @@ class Constraints:
                     f"{np.degrees(start):.1f} to {np.degrees(end):.1f} degrees"
                 )
         return found
+
+
+def offered(greatest: float) -> float:
+    """What may be asked for [mm, degrees], where `greatest` is feasible and no more is.
+
+    Examples
+    --------
+    >>> offered(6.3699)
+    6.36
+    """
+    return round(OFFER_STEP * math.floor(greatest / OFFER_STEP), 2)
 
 
 def checked_threshold(threshold: int, n_cameras: int, constraints: Constraints) -> int:

@@ -1,15 +1,11 @@
 """What fixed cameras and forbidden arcs leave of the ring: for how many cameras, and how far apart."""
 
-import math
-
 import numpy as np
 
 import exact
-from placement.constraints import GAP_MARGIN, Constraints
+from placement.constraints import GAP_MARGIN, OFFER_STEP, Constraints, offered
 
 TURN = 2 * np.pi
-# Step to which a length that is offered in place of an infeasible one is rounded down [mm].
-OFFER_STEP = 0.01
 
 
 def open_arcs(constraints: Constraints, gap: float) -> np.ndarray:
@@ -72,17 +68,6 @@ def greatest_separation(ring: exact.Ring, constraints: Constraints, n_cameras: i
         fits = most_cameras(constraints, gap, n_cameras) >= n_cameras
         least, most = (middle, most) if fits else (least, middle)
     return offered(least)
-
-
-def offered(length: float) -> float:
-    """A length that may be asked for [mm], where `length` is the greatest that is feasible.
-
-    Examples
-    --------
-    >>> offered(6.3699)
-    6.36
-    """
-    return round(OFFER_STEP * math.floor(length / OFFER_STEP), 2)
 
 
 def widest_pair(constraints: Constraints, gap: float, n_cameras: int) -> float:

@@ -152,7 +152,7 @@ ERRORS = [
         "4 cameras at 10 mm do not fit beside 1 forbidden arc: 2 do, or 4 at 6.36 mm",
     ),
     (4, dict(min_baseline=31.0), "no two cameras are 31 mm apart on a ring of 30 mm"),
-    (4, dict(min_angle=0.2), "at most 30 mm or an angle of at most 4.3 degrees"),
+    (4, dict(min_angle=0.2), "at most 30 mm or an angle of at most 4.29 degrees"),
 ]
 
 
