@@ -158,7 +158,9 @@ def test_progress_counts_up_to_its_total(bars):
     placement.optimise(
         bars, RING, n_cameras=2, settings=settings, progress=lambda what, done, total: told.append((what, done, total))
     )
-    stages = ["tracing ring profiles", "searching", "bounding any layout", "scoring exactly", "ring maximum", "polishing"]
+    stages = [
+        "tracing ring profiles", "searching", "bounding any layout", "scoring exactly", "ring maximum", "polishing",
+    ]  # fmt: skip
     assert list(dict.fromkeys(what for what, _, _ in told)) == stages
     assert all(0 <= done <= total for _, done, total in told)
     assert told[-1][1] == told[-1][2]

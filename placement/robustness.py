@@ -1,0 +1,199 @@
+"""Can it be built: what a layout keeps when a camera fails or sits askew, and which of its pairs do the work."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+import exact
+from placement.constraints import Constraints
+from placement.problem import Problem
+from placement.results import Candidate, Placement
+from placement.scoring import canonical
+
+# Pairs are listed until the rest of them would add less than this part of the area.
+PAIRS_ENOUGH = 1e-3
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Two cameras of a layout.
+
+    Attributes
+    ----------
+    cameras : (int, int)
+        Their indices in the layout, ring angles increasing.
+    area : float
+        Reconstructable area that both see [mm²], summed over the sites.
+    together : float
+        The same for this pair and all those listed before it: what they reconstruct as pairs.
+    """
+
+    cameras: tuple[int, int]
+    area: float
+    together: float
+
+
+@dataclass(frozen=True)
+class Robustness:
+    """What a layout of M cameras keeps.
+
+    Attributes
+    ----------
+    angles : (M,) tuple of float
+        Ring angles [rad], increasing in [0, 2 pi).
+    fraction : float
+        Exact fraction of the ring maximum with everything in place.
+    failed_fractions : (M,) tuple of float
+        The same if that one camera fails.
+    mounting_error : float
+        Each camera is off by this much to one side or the other [rad].
+    mounting_fractions : tuple of float
+        The same for layouts off in directions drawn at random.
+    pairs : tuple of Pair
+        First the pair that sees most of the reconstructable area, then whichever adds most, until hardly anything is
+        missing: the order in which to reconstruct.
+    """
+
+    angles: tuple[float, ...]
+    fraction: float
+    failed_fractions: tuple[float, ...]
+    mounting_error: float
+    mounting_fractions: tuple[float, ...]
+    pairs: tuple[Pair, ...]
+
+    @property
+    def worst_failure(self) -> float:
+        """Fraction left when the camera fails that is missed most."""
+        return min(self.failed_fractions)
+
+    @property
+    def mean_failure(self) -> float:
+        """Fraction left when any one camera fails, in the mean."""
+        return float(np.mean(self.failed_fractions))
+
+    @property
+    def worst_mounting(self) -> float:
+        """Least fraction of the layouts that are off."""
+        return min(self.mounting_fractions)
+
+
+@dataclass(frozen=True)
+class Consensus:
+    """How far the best layouts of a search agree.
+
+    Attributes
+    ----------
+    fractions : (L,) tuple of float
+        Exact fractions of the L best distinct layouts, best first.
+    distances : (M,) tuple of float
+        For each camera of the best layout the median, over the other layouts, of the angle to their camera next to
+        it [rad]; 0 for no others. Small where all agree that a camera belongs.
+    """
+
+    fractions: tuple[float, ...]
+    distances: tuple[float, ...]
+
+
+def robustness(
+    problem: Problem,
+    angles,
+    constraints: Constraints | None = None,
+    mounting_error: float = float(np.radians(1.0)),
+    n_mountings: int = 8,
+    seed: int = 0,
+) -> Robustness:
+    """Work out, exactly, what a layout keeps under faults and which pairs of cameras do its work.
+
+    Parameters
+    ----------
+    problem : Problem
+    angles : (M,) array_like
+        Ring angles [rad].
+    constraints : Constraints, optional
+        Only their baseline matters here.
+    mounting_error : float
+        How far each camera is off along the ring [rad].
+    n_mountings : int
+        Layouts that are off, each camera to a side drawn at random.
+    seed : int
+        Of those sides.
+
+    Returns
+    -------
+    Robustness
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> from placement.settings import Settings
+    >>> quick = Settings(n_samples=200, n_angles=12, ring_cameras=8)
+    >>> problem = Problem(trimesh.creation.box((10, 10, 1)), exact.Ring(), settings=quick)
+    >>> found = robustness(problem, [0.0, 2.0, 4.0], n_mountings=2)
+    >>> found.worst_failure <= found.mean_failure <= found.fraction, found.pairs[0].cameras
+    (True, (1, 2))
+    """
+    constraints = Constraints() if constraints is None else constraints
+    theta, ring, threshold = canonical(angles), problem.ring, problem.threshold
+    scorer = problem.scorer(constraints)
+    baseline = constraints.baseline(ring)
+    far = ring.separations(theta) >= baseline - 1e-9 * ring.diameter if baseline > 0 else None
+    sets = [
+        exact.view_sets(site.mesh, ring.cameras(theta), site.excluded, site.face_weights, problem.workers)
+        for site in problem.sites.members
+    ]
+    without = ~np.eye(len(theta), dtype=bool)
+    failed = [scorer.combined([of_site.area(threshold, kept, far) for of_site in sets]) for kept in without]
+    sides = np.random.default_rng([seed, 2]).choice([-1.0, 1.0], size=(n_mountings, len(theta)))
+    askew = scorer.many(list(theta + mounting_error * sides))
+    return Robustness(
+        tuple(theta.tolist()), scorer.fraction(theta), tuple(failed), mounting_error,
+        tuple(scorer.combined(areas) for areas in askew), _pairs(sets, threshold, far),
+    )  # fmt: skip
+
+
+def consensus(result: Placement, n_layouts: int = 10) -> Consensus:
+    """Compare the best distinct layouts that were scored exactly.
+
+    Parameters
+    ----------
+    result : Placement
+    n_layouts : int
+        Layouts at most.
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> from placement import Settings, optimise
+    >>> quick = Settings(n_samples=200, n_angles=12, n_starts=2, ring_cameras=8, polish_steps=())
+    >>> found = consensus(optimise(trimesh.creation.box((10, 10, 9)), exact.Ring(), 3, settings=quick, certify=False))
+    >>> len(found.distances), found.fractions == tuple(sorted(found.fractions, reverse=True))
+    (3, True)
+    """
+    best: tuple[Candidate, ...] = result.candidates[:n_layouts]
+    theta = np.array(best[0].angles)
+    nearest = np.zeros((0, len(theta)))
+    if len(best) > 1:
+        others = np.array([found.angles for found in best[1:]])
+        away = np.abs(np.angle(np.exp(1j * (theta[None, :, None] - others[:, None, :]))))
+        nearest = away.min(axis=2)
+    distances = np.median(nearest, axis=0) if len(nearest) else np.zeros(len(theta))
+    return Consensus(tuple(found.fraction for found in best), tuple(distances.tolist()))
+
+
+def _pairs(sets: list[exact.ViewSets], threshold: int, far: np.ndarray | None) -> tuple[Pair, ...]:
+    """Pairs in the order in which each adds most to those before it."""
+    seen = np.concatenate([of_site.seen for of_site in sets])
+    areas = np.concatenate([of_site.areas for of_site in sets])
+    first, second = np.triu_indices(seen.shape[1], k=1)
+    if far is not None:
+        first, second = first[far[first, second]], second[far[first, second]]
+    both = seen[:, first] & seen[:, second] & (seen.sum(axis=1) >= threshold)[:, None]
+    alone, whole = areas @ both, float(areas @ both.any(axis=1))
+    found, left, together = [], areas.copy(), 0.0
+    while together < (1 - PAIRS_ENOUGH) * whole:
+        adds = left @ both
+        best = int(adds.argmax())
+        together += float(adds[best])
+        left[both[:, best]] = 0.0
+        found.append(Pair((int(first[best]), int(second[best])), float(alone[best]), together))
+    return tuple(found)
