@@ -1,6 +1,6 @@
 """A progress bar on stderr for what takes longer than a moment."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import contextmanager
 
 from rich.console import Console
@@ -22,6 +22,27 @@ def progress_stages() -> Iterator[Callable[[str, int, int], None]]:
     with _bar() as bar:
         task = bar.add_task("", total=None)
         yield lambda what, done, total: bar.update(task, description=what, completed=done, total=total)
+
+
+@contextmanager
+def progress_tasks(what: str, costs: Mapping[str, float], done: Collection[str]) -> Iterator[Callable[[str], None]]:
+    """Show a bar of tasks of unequal cost, some of them `done` before; call what it gives with each that gets done.
+
+    The time left is told by the cost, for the first tasks may take a hundred times as long as the last.
+    """
+    counted = TextColumn("{task.fields[n_done]} of {task.fields[n_tasks]} tasks")
+    columns = (TextColumn("{task.description}"), BarColumn(), counted, TimeRemainingColumn())
+    with Progress(*columns, console=Console(stderr=True), transient=True, speed_estimate_period=300.0) as bar:
+        task = bar.add_task(what, total=sum(costs.values()), n_done=0, n_tasks=len(costs))
+        n_done = len(done)
+        bar.update(task, completed=sum(costs[name] for name in done), n_done=n_done)
+
+        def one_more(name: str) -> None:
+            nonlocal n_done
+            n_done += 1
+            bar.update(task, advance=costs[name], n_done=n_done)
+
+        yield one_more
 
 
 def working(what: str) -> Status:
