@@ -9,6 +9,8 @@ from typing import Annotated
 
 import typer
 
+from experiments.compiled import keep_compiled
+
 app = typer.Typer(
     name="camring",
     help="Where the cameras of a ring should sit so that they reconstruct the most of a surface. "
@@ -26,6 +28,7 @@ SITES = (
 )  # fmt: skip
 DETAILS = ("coarse", "middle", "fine")
 BENCHMARKS = ("exact", "sites")
+OBJECTIVES = ("mean", "worst")
 FORMATS = ("colmap", "transforms", "opencv", "glb", "csv")
 
 
@@ -36,6 +39,14 @@ def completing(words: tuple[str, ...]):
 
 MESH_HELP = "STL, OBJ or PLY file [mm], or the name of a built-in site"
 Mesh = Annotated[str, typer.Argument(help=MESH_HELP, autocompletion=completing(SITES))]
+Meshes = Annotated[
+    list[str],
+    typer.Argument(
+        metavar="MESH...",
+        help=f"{MESH_HELP}, with its depth if need be: circ_artery@100; several for one layout that serves all",
+        autocompletion=completing(SITES),
+    ),
+]
 Depth = Annotated[float | None, typer.Option(help="depth of a built-in site [mm]", show_default="the site's first")]
 Detail = Annotated[
     str | None,
@@ -93,6 +104,35 @@ Target = Annotated[
         help="fraction of the ring maximum that must be reached, or the exit status is 1", show_default="none"
     ),
 ]
+Seed = Annotated[
+    int | None, typer.Option(help="of the search; the same seed gives the same layout", show_default="0")
+]
+Certify = Annotated[
+    bool | None,
+    typer.Option("--certify/--no-certify", help="bound what any layout could reconstruct", show_default="certify"),
+]
+Objective = Annotated[
+    str | None,
+    typer.Option(
+        help="of several meshes: maximise the mean of their fractions of the ring maximum, or that of the worst",
+        show_default="mean",
+        autocompletion=completing(OBJECTIVES),
+    ),
+]
+SiteWeights = Annotated[
+    str | None, typer.Option(help="how much each mesh counts in the mean, as in 1,2", show_default="all equally")
+]
+Falloff = Annotated[
+    float | None,
+    typer.Option(
+        help="distance from the focus at which a face counts half, falling off on [mm]", show_default="all count fully"
+    ),
+]
+Jitter = Annotated[
+    int | None, typer.Option(help="poses of each mesh to serve, the mesh as it is among them", show_default="1")
+]
+TiltDeg = Annotated[float | None, typer.Option(help="greatest tilt of the poses [degrees]", show_default="2")]
+ShiftMm = Annotated[float | None, typer.Option(help="greatest shift of the poses [mm]", show_default="1")]
 Json = Annotated[bool, typer.Option("--json", help="results as one JSON document on stdout")]
 Out = Annotated[Path, typer.Option(help="folder for the results; it is made if need be")]
 Force = Annotated[bool, typer.Option("--force", help="replace results that are already there")]
@@ -100,7 +140,7 @@ Force = Annotated[bool, typer.Option("--force", help="replace results that are a
 
 @app.command()
 def optimise(
-    mesh: Mesh,
+    meshes: Meshes,
     cameras: Cameras = None,
     threshold: Threshold = None,
     min_separation: MinSeparation = None,
@@ -112,13 +152,21 @@ def optimise(
     diameter: Diameter = None,
     working_distance: Distance = None,
     exclude: Exclude = None,
-    seed: Annotated[
-        int | None, typer.Option(help="of the search; the same seed gives the same layout", show_default="0")
-    ] = None,
-    certify: Annotated[
-        bool | None,
-        typer.Option("--certify/--no-certify", help="bound what any layout could reconstruct", show_default="certify"),
-    ] = None,
+    objective: Objective = None,
+    site_weights: SiteWeights = None,
+    falloff_mm: Falloff = None,
+    jitter: Jitter = None,
+    tilt_deg: TiltDeg = None,
+    shift_mm: ShiftMm = None,
+    seed: Seed = None,
+    certify: Certify = None,
+    robustness: Annotated[
+        bool,
+        typer.Option(
+            "--robustness/--no-robustness",
+            help="work out what is left when a camera fails or sits askew, and which pairs of cameras do the work",
+        ),
+    ] = True,
     rig: RigFile = None,
     depth: Depth = None,
     detail: Detail = None,
@@ -149,11 +197,67 @@ def optimise(
     options = dict(
         count=cameras, threshold=threshold, min_separation=min_separation, min_baseline=min_baseline,
         min_angle_deg=min_angle_deg, fixed_deg=fixed_deg, forbidden_deg=forbidden_deg, fov=fov, diameter=diameter,
-        working_distance=working_distance, exclude=exclude, seed=seed, certify=certify, repair=repair, scale=scale,
+        working_distance=working_distance, exclude=exclude, objective=objective, site_weights=site_weights,
+        falloff_mm=falloff_mm, jitter=jitter, tilt_deg=tilt_deg, shift_mm=shift_mm, seed=seed, certify=certify,
+        repair=repair, scale=scale,
     )  # fmt: skip
     command_optimise.run(
-        mesh, rig, options, depth=depth, detail=detail, target=target, export=export, out=out, force=force, as_json=json
-    )
+        meshes, rig, options, depth=depth, detail=detail, target=target, robust=robustness, export=export, out=out,
+        force=force, as_json=json,
+    )  # fmt: skip
+
+
+@app.command()
+def count(
+    meshes: Meshes,
+    target: Annotated[float, typer.Option(help="part of the ring maximum to reach, or the exit status is 1")] = 0.99,
+    max_cameras: Annotated[int, typer.Option(help="most cameras to try")] = 16,
+    threshold: Threshold = None,
+    min_separation: MinSeparation = None,
+    min_baseline: MinBaseline = None,
+    min_angle_deg: MinAngle = None,
+    fixed_deg: Fixed = None,
+    forbidden_deg: Forbidden = None,
+    fov: Fov = None,
+    diameter: Diameter = None,
+    working_distance: Distance = None,
+    exclude: Exclude = None,
+    objective: Objective = None,
+    site_weights: SiteWeights = None,
+    falloff_mm: Falloff = None,
+    jitter: Jitter = None,
+    tilt_deg: TiltDeg = None,
+    shift_mm: ShiftMm = None,
+    seed: Seed = None,
+    certify: Certify = None,
+    rig: RigFile = None,
+    depth: Depth = None,
+    detail: Detail = None,
+    repair: Repair = None,
+    scale: Scale = None,
+    out: Out = Path("out"),
+    force: Force = False,
+    json: Json = False,
+) -> None:
+    """Find how many cameras reach a target, well placed and equidistant.
+
+    Writes count.csv, anew after every number of cameras, count.png, and layout.json of the fewest cameras that reach
+    the target. Takes a minute or so for each number of cameras; most of it is the bound, which --no-certify leaves out.
+
+    Example: camring count scan.stl --target 0.97 --max-cameras 8 --out count/
+    """
+    from experiments import command_count
+
+    options = dict(
+        threshold=threshold, min_separation=min_separation, min_baseline=min_baseline, min_angle_deg=min_angle_deg,
+        fixed_deg=fixed_deg, forbidden_deg=forbidden_deg, fov=fov, diameter=diameter, working_distance=working_distance,
+        exclude=exclude, objective=objective, site_weights=site_weights, falloff_mm=falloff_mm, jitter=jitter,
+        tilt_deg=tilt_deg, shift_mm=shift_mm, seed=seed, certify=certify, repair=repair, scale=scale,
+    )  # fmt: skip
+    command_count.run(
+        meshes, rig, options, target=target, max_cameras=max_cameras, depth=depth, detail=detail, out=out, force=force,
+        as_json=json,
+    )  # fmt: skip
 
 
 @app.command()
@@ -353,8 +457,34 @@ def rig_init(
     command_rig.init(path, force)
 
 
+@app.command()
+def paper(
+    quick: Annotated[bool, typer.Option("--quick", help="two sites, up to 16 cameras: a first look")] = False,
+    report_only: Annotated[
+        bool, typer.Option("--report-only", help="compute nothing; write tables and figures anew from what is there")
+    ] = False,
+    detail: Annotated[str, typer.Option(help="size of the sites: coarse, middle or fine")] = "coarse",
+    scheduler: Annotated[
+        str | None,
+        typer.Option(help="address of a Dask scheduler, tcp://...", show_default="the processors of this machine"),
+    ] = None,
+    out: Out = Path("out/paper"),
+    force: Force = False,
+) -> None:
+    """Repeat the tables, fits and figures of Wachter 2021, beside its numbers; takes minutes.
+
+    A run that was stopped goes on where it was when the same command is given again.
+
+    Example: camring paper --out out/paper
+    """
+    from experiments import command_paper
+
+    command_paper.run(quick, report_only, detail, scheduler, out, force)
+
+
 def main(arguments: list[str] | None = None) -> None:
     """Run `camring` and exit: 0; 1 if a target was missed; 2, with one message, if the request cannot be met."""
+    keep_compiled()
     try:
         app(arguments, prog_name="camring")
     except KeyboardInterrupt:
