@@ -87,7 +87,8 @@ def load(path: str | os.PathLike, repair: bool = False, scale: float = 1.0) -> t
     else:
         vertices, faces = _read_with_trimesh(path, data, suffix)
     mesh = _merged(path, vertices, faces)
-    mesh.vertices *= float(scale)  # a factor of 1 changes no bit
+    with np.errstate(over="ignore"):  # the check then says which vertex is not finite
+        mesh.vertices *= float(scale)  # a factor of 1 changes no bit
     mesh = check(mesh, repair=repair, name=str(path))
     if hint := _unit_hint(mesh, float(scale)):
         warnings.warn(f"{path}: {hint}", MeshWarning, stacklevel=2)

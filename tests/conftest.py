@@ -16,3 +16,21 @@ def camring(capsys):
         return end.value.code or 0, printed.out, printed.err
 
     return run
+
+
+@pytest.fixture(scope="session")
+def quick_search():
+    """The part of a rig file that makes a search short, for what does not depend on how good it is."""
+    return """
+[search]
+certify = false
+n_samples = 300
+n_angles = 24
+n_starts = 3
+n_start_phases = 1
+n_phases = 4
+exact_phases = 1
+exact_candidates = 2
+polish_steps = []
+ring_cameras = 8
+"""

@@ -137,6 +137,78 @@ def test_nothing_is_replaced_without_force(camring, scan, tmp_path):
     assert "--force" in err
 
 
+def test_results_for_machines_are_all_of_stdout(camring, scan, tmp_path, monkeypatch):
+    from experiments import bench_exact, bench_sites
+
+    _, out, err = camring("evaluate", scan, "--cameras", "4", "--json", "--out", tmp_path / "areas")
+    assert json.loads(out) == json.loads((tmp_path / "areas" / "evaluation.json").read_text(encoding="utf-8"))
+    assert "wrote" in err
+    sites = json.loads(camring("site", "--list", "--json")[1])["sites"]
+    assert {site["name"]: (tuple(site["depths_mm"]), tuple(site["fov_mm"])) for site in sites} == {
+        site.name: (site.depths, site.fov) for site in meshes.SITES.values()
+    }
+    monkeypatch.setattr(bench_exact, "MEASUREMENTS", (lambda: [("what it takes", "0.25", "s", "at most 0.3")],))
+    monkeypatch.setattr(bench_exact.MEASUREMENTS[0], "__name__", "_quick")
+    figures = json.loads(camring("bench", "exact", "--json", "--out", tmp_path / "exact")[1])["figures"]
+    assert figures == [{"what": "what it takes", "value": "0.25", "unit": "s", "target": "at most 0.3"}]
+    row = bench_sites.Row("circ_flat", 50, "36x24", "A_r(2) / A_r(360)", 0.5, 0.52, 0.06)
+    monkeypatch.setattr(bench_sites, "compare", lambda *case: [row])
+    figures = json.loads(camring("bench", "sites", "--json", "--out", tmp_path / "sites")[1])["figures"]
+    assert figures[0]["holds"] and figures[0]["published"] == 0.52
+
+
+def test_a_missed_target_is_told_by_the_exit_status(camring, scan):
+    ring, mesh = exact.Ring(), meshes.load(scan)
+    two, most = (exact.evaluate(mesh, ring.cameras(ring.equidistant(n))).area for n in (2, 360))
+    assert two / most < 0.95
+    status, out, err = camring("evaluate", scan, "--cameras", 2, "--target", f"{two / most + 0.01:.4f}")
+    assert status == 1
+    assert f"reconstructable area: {two:.4f} mm²" in out
+    assert f"target missed: these 2 cameras reach {two / most:.4f} of the ring maximum" in " ".join(err.split())
+    status, out, err = camring("evaluate", scan, "--cameras", 2, "--target", f"{two / most - 0.01:.4f}", "--json")
+    assert (status, "missed" in err) == (0, False)
+    assert json.loads(out)["fraction_of_ring_maximum"] == pytest.approx(two / most)
+    assert json.loads(out)["ring_maximum_mm2"] == pytest.approx(most)
+
+
+def test_a_fault_of_camring_is_told_from_a_missed_target(camring, monkeypatch):
+    def broken(*_):
+        raise RuntimeError("not thought of")
+
+    monkeypatch.setattr("experiments.command_site.run", broken)
+    status, out, err = camring("site", "--list")
+    assert (status, out) == (70, "")
+    assert "Traceback" in err and "RuntimeError: not thought of" in err
+
+
+def test_a_file_in_metres_is_noticed(camring, scan, tmp_path):
+    small = tmp_path / "metres.stl"
+    meshes.load(scan).apply_scale(0.001).export(small)
+    _, _, err = camring("evaluate", small, "--cameras", 2)
+    assert re.search(
+        r"warning: .*metres\.stl: the largest side is 0\.03 mm.*metres.*--scale 1000", " ".join(err.split())
+    )
+    status, scaled, err = camring("evaluate", small, "--cameras", 2, "--scale", 1000)
+    assert (status, "warning" in err) == (0, False)
+    area = exact.evaluate(meshes.load(scan), exact.Ring().cameras([np.pi, 2 * np.pi])).area
+    found = re.search(r"reconstructable area: ([\d.]+) mm²", scaled)
+    assert found is not None
+    assert float(found[1]) == pytest.approx(area, rel=1e-5)  # STL files hold single precision
+
+
+def test_a_rig_file_gives_the_number_of_cameras_to_evaluate(camring, scan, tmp_path):
+    rig = text(tmp_path, "rig.toml", "[cameras]\ncount = 3\nthreshold = 3\n[constraints]\nmin_baseline = 20\n")
+    content = json.loads(camring("evaluate", scan, "--rig", rig, "--json")[1])
+    ring = exact.Ring()
+    area = exact.evaluate(meshes.load(scan), ring.cameras(ring.equidistant(3)), 3, min_baseline=20.0).area
+    assert content["area_mm2"] == pytest.approx(area)
+    more = json.loads(camring("evaluate", scan, "--rig", rig, "--cameras", 5, "--json")[1])
+    assert (len(more["angles_rad"]), more["threshold"], more["min_baseline_mm"]) == (5, 3, 20.0)
+    status, _, err = camring("evaluate", scan, "--layout", write_layout(tmp_path), "--rig", rig)
+    assert status == 2
+    assert "a layout brings its own ring; leave --rig" in err
+
+
 def write_far_away(folder):
     trimesh.creation.box((5, 5, 5)).apply_translation((900, 0, 0)).export(folder / "far.stl")
     return folder / "far.stl"
@@ -230,6 +302,20 @@ REFUSED = {
         lambda d: ("compare", write_layout(d), "--mesh", "circ_flat"),
         r"1 layout is given; at least two",
     ),
+    "target": (lambda d: ("evaluate", "circ_flat", "--cameras", 2, "--target", 99), r"--target is 99; .* at most 1"),
+    "scale of a site": (
+        lambda d: ("evaluate", "circ_flat", "--cameras", 2, "--scale", 10),
+        r"circ_flat is in millimetres; leave the scale of 10 out",
+    ),
+    "scale": (
+        lambda d: ("evaluate", write_far_away(d), "--cameras", 2, "--scale", 0),
+        r"scale is 0\.0; needed is a positive number",
+    ),
+    "layout with nonsense for constraints": (
+        lambda d: ("evaluate", "circ_flat", "--layout", write_layout(d, constraints={"min_separaton": 1})),
+        r'"constraints" is .*min_separaton.*; it must give some of fixed, forbidden',
+    ),
+    "JSON of a site": (lambda d: ("site", "circ_flat", "--json"), r"--json is for --list"),
     "site without a file": (lambda d: ("site", "circ_flat"), r"--out"),
     "site format": (lambda d: ("site", "circ_flat", "--out", d / "a.step"), r"ending must be \.stl, \.ply or \.obj"),
     "unknown site": (lambda d: ("site", "round", "--out", d / "a.stl"), r"there is no site 'round'"),

@@ -14,20 +14,6 @@ import placement
 from experiments import rig_file
 from experiments.words import parse_angles, parse_arcs
 
-QUICK = """
-[search]
-certify = false
-n_samples = 300
-n_angles = 24
-n_starts = 3
-n_start_phases = 1
-n_phases = 4
-exact_phases = 1
-exact_candidates = 2
-polish_steps = []
-ring_cameras = 8
-"""
-
 
 @pytest.fixture
 def write(tmp_path):
@@ -197,10 +183,10 @@ def test_words_of_options_that_are_not_understood(parse, text, message):
         parse(text)
 
 
-def test_optimise_meets_what_file_and_options_ask_for(camring, write, scan, tmp_path):
+def test_optimise_meets_what_file_and_options_ask_for(camring, write, scan, tmp_path, quick_search):
     rig = write(
         "[ring]\nfov = [60, 40]\n[cameras]\ncount = 3\n[constraints]\nmin_baseline = 9.0\nfixed_deg = [10]\n[mesh]\n"
-        'scale = 1000\nexclude = "top"\n' + QUICK
+        'scale = 1000\nexclude = "top"\n' + quick_search
     )
     out = tmp_path / "out"
     arguments = ("optimise", scan, "--rig", rig, "--forbidden-deg", "60:200", "--min-separation", "6", "--out", out)

@@ -232,3 +232,34 @@ def test_damaged_bytes_give_a_mesh_or_a_mesh_error(tmp_path, seed):
             assert str(path) in str(error)
         else:
             assert np.isfinite(mesh.vertices).all() and len(mesh.faces) > 0 and mesh.area > 0
+
+
+@pytest.mark.parametrize(("scale", "extent"), [(1.0, [10, 20, 30]), (25.4, [254, 508, 762]), (0.5, [5, 10, 15])])
+def test_scale_leads_to_millimetres(tmp_path, box, scale, extent):
+    box.export(tmp_path / "box.ply")
+    assert meshes.load(tmp_path / "box.ply", scale=scale).extents == pytest.approx(extent)
+
+
+@pytest.mark.parametrize(("factor", "unit", "scale"), [(0.001, "metres", "1000"), (1000.0, "micrometres", r"0\.001")])
+def test_an_unlikely_extent_is_warned_of(tmp_path, box, factor, unit, scale):
+    path = tmp_path / "box.ply"
+    box.apply_scale(factor).export(path)
+    with pytest.warns(
+        meshes.MeshWarning, match=rf"unit is probably {unit}; load it with scale={scale} \(--scale {scale} "
+    ):
+        mesh = meshes.load(path)
+    assert mesh.extents == pytest.approx(np.array([10, 20, 30]) * factor)  # it is not changed for that
+    assert meshes.load(path, scale=1 / factor).extents == pytest.approx([10, 20, 30])
+
+
+@pytest.mark.parametrize("scale", [0, -1.0, float("nan"), float("inf"), True, "mm"])
+def test_scale_must_be_a_positive_number(tmp_path, box, scale):
+    box.export(tmp_path / "box.ply")
+    with pytest.raises(meshes.MeshError, match="needed is a positive number, such as 1000 for a file in metres"):
+        meshes.load(tmp_path / "box.ply", scale=scale)
+
+
+def test_scale_beyond_all_numbers(tmp_path, box):
+    box.export(tmp_path / "box.ply")
+    with pytest.raises(meshes.MeshError, match="not finite|finite"):
+        meshes.load(tmp_path / "box.ply", scale=1e308)
