@@ -65,7 +65,7 @@ def run(
     for one, found in zip(read, areas, strict=True):
         spread = placement.triangulation(about.mesh, rig, one.angles, threshold, excluded.mask)
         gain = None if one is read[0] else (found - areas[0]) / maximum
-        rows.append(layout_table.row(str(one.path), one.angles, found, maximum, gain, spread))
+        rows.append(layout_table.row(str(one.path), one.angles, found, found / maximum, gain, spread))
     content: dict[str, Any] = {
         "mesh": {"name": about.name, "excluded": excluded.words, "scale": scale},
         "ring": layout_file.ring_content(rig),

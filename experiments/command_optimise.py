@@ -1,34 +1,37 @@
-"""camring optimise: propose a layout, compare it with equidistant ones, write and draw it."""
+"""camring optimise: propose a layout, compare it with equidistant ones, say what it keeps, write and draw it."""
 
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import trimesh
 
 import exact
 import placement
-from experiments import coverage_mesh, layout_file, layout_table, rig_file
+from experiments import coverage_mesh, layout_file, layout_table, rig_file, robustness_table, site_table
 from experiments.coverage_figure import Panel, write_coverage
 from experiments.exports import formats
 from experiments.exports.cameras import named_cameras
 from experiments.files import output_folder
-from experiments.inputs import Request, request
 from experiments.progress import progress_stages
+from experiments.subjects import Request, request
 from experiments.target import checked_target, reach
 from experiments.terminal import note, print_json, terminal
+from placement.problem import Progress
 
 OUTPUTS = ("layout.json", "layouts.csv", "coverage.png")
+# Sample points for triangulation angles, shared by all meshes and poses, and the fewest that each gets.
+ANGLE_SAMPLES, LEAST_ANGLE_SAMPLES = 20_000, 2_000
 
 
 def run(
-    mesh: str,
+    meshes: list[str],
     rig_path: Path | None,
     options: dict[str, Any],
     *,
     depth: float | None,
     detail: str | None,
     target: float | None,
+    robust: bool,
     export: str | None,
     out: Path,
     force: bool,
@@ -37,32 +40,25 @@ def run(
     """Optimise, print and write; `options` are those of the rig, by the names of their keys."""
     checked_target(target)
     names = () if export is None else formats.parse_formats(export, "--export", (*formats.FORMATS, "mesh"))
-    asked = request(mesh, depth, detail, rig_file.rig(rig_path, **options))
+    asked = request(meshes, depth, detail, rig_file.rig(rig_path, **options))
+    asked.check_cameras(asked.rig.n_cameras)
     meshes_too = coverage_mesh.FILES if "mesh" in names else ()
     names = tuple(name for name in names if name in formats.FORMATS)
     output_folder(out, (*OUTPUTS, *meshes_too), force)
     files = formats.prepare(out, names, force)
     with progress_stages() as progress:
-        result = placement.optimise(
-            asked.about.mesh,
-            asked.ring,
-            asked.rig.n_cameras,
-            asked.rig.threshold,
-            asked.excluded.mask,
-            asked.rig.constraints,
-            asked.rig.settings,
-            seed=asked.rig.seed,
-            progress=progress,
-            certify=asked.rig.certify,
-        )
+        problem = asked.problem(progress)
+        result = placement.place(problem, asked.rig.n_cameras, asked.rig.constraints, asked.rig.certify, progress)
+        rows = _rows(problem, result, asked, robust, progress)
+        content = layout_file.placement_content(result, asked)
+        if robust:
+            area, agreed = sum(site.area for site in result.sites), placement.consensus(result)
+            content["robustness"] = robustness_table.robustness_content(rows, agreed, area)
         progress("drawing", 0, 1)
-        content = layout_file.placement_content(result, asked.about.name, asked.excluded.words)
-        content["mesh"]["scale"] = asked.rig.scale
         layout_file.write(out / OUTPUTS[0], content)
-        rows = _rows(result, asked.about.mesh, asked.excluded.mask)
         layout_table.write_csv(out / OUTPUTS[1], rows)
-        _draw(out / OUTPUTS[2], asked, rows)
-        formats.write(out, names, named_cameras(asked.ring, np.array(result.angles)), asked.about)
+        _draw(out / OUTPUTS[2], asked, result, rows)
+        formats.write(out, names, named_cameras(asked.ring, np.array(result.angles)), asked.subjects[0])
         if meshes_too:
             files += _write_meshes(out, asked, result)
     if as_json:
@@ -70,57 +66,81 @@ def run(
     else:
         _print(asked, result, rows)
     note(f"wrote {', '.join(str(out / name) for name in (*OUTPUTS, *files))}")
+    if len(asked.subjects) > 1 and (meshes_too or any(formats.FORMATS[name].needs_site for name in names)):
+        note(f"note: the meshes written show {asked.subjects[0].name}, the first")
     reach(target, result.fraction, f"the optimised {asked.rig.n_cameras} cameras")
 
 
-def _draw(path: Path, asked: Request, rows: list[layout_table.Row]) -> None:
-    panels = [
-        Panel(row.name, row.angles, f"{row.area:.1f} mm², {100 * row.fraction:.2f} % of the ring maximum")
-        for row in (rows[0], rows[-1])
+def _rows(
+    problem: placement.Problem, result: placement.Placement, asked: Request, robust: bool, progress: Progress
+) -> list[layout_table.Row]:
+    """The equidistant layout, the same at its best phase, and the one proposed."""
+    best_phase, n_cameras = result.best_equidistant_phase, result.n_cameras
+    layouts = [
+        ("equidistant", asked.ring.equidistant(n_cameras), result.equidistant_area, result.equidistant_fraction),
+        (
+            f"equidistant, best phase ({np.degrees(best_phase):.1f}°)",
+            asked.ring.equidistant(n_cameras, best_phase),
+            result.best_equidistant_area,
+            result.best_equidistant_fraction,
+        ),
+        ("optimised", np.array(result.angles), result.area, result.fraction),
     ]
-    write_coverage(
-        path, asked.about.name, asked.about.mesh, asked.ring, panels, asked.rig.threshold, asked.excluded.mask
-    )
+    n_samples = max(ANGLE_SAMPLES // len(asked.poses), LEAST_ANGLE_SAMPLES)
+    rows = []
+    for number, (name, angles, area, fraction) in enumerate(layouts):
+        progress("faults and triangulation angles", number, len(layouts))
+        found = placement.robustness(problem, angles, asked.rig.constraints) if robust else None
+        spread = placement.Triangulation.together(
+            [
+                placement.triangulation(pose.mesh, asked.ring, angles, asked.rig.threshold, pose.excluded, n_samples)
+                for pose in asked.poses
+            ]
+        )
+        gain = None if number == 0 else fraction - result.equidistant_fraction
+        rows.append(layout_table.row(name, angles, area / asked.n_poses, fraction, gain, spread, found))
+    return rows
+
+
+def _draw(path: Path, asked: Request, result: placement.Placement, rows: list[layout_table.Row]) -> None:
+    """The first mesh, or the one of which the layout proposed reconstructs least if the worst was to be raised."""
+    worst = asked.rig.objective == "worst"
+    shown = int(np.argmin([site.fraction for site in result.sites])) if worst else 0
+    pose, site = asked.poses[shown], result.sites[shown]
+    which = f" ({'the worst' if worst else 'the first'} of {len(asked.poses)})" if len(asked.poses) > 1 else ""
+    panels = [
+        Panel(row.name, row.angles, f"{area:.1f} mm², {100 * area / site.ring_area:.2f} % of the ring maximum")
+        for row, area in ((rows[0], site.equidistant_area), (rows[-1], site.area))
+    ]
+    write_coverage(path, pose.name + which, pose.mesh, asked.ring, panels, asked.rig.threshold, pose.excluded)
 
 
 def _write_meshes(out: Path, asked: Request, result: placement.Placement) -> tuple[str, ...]:
-    cameras = result.ring.cameras(np.array(result.angles))
-    baseline = result.constraints.baseline(result.ring)
-    seen = exact.evaluate(asked.about.mesh, cameras, result.threshold, asked.excluded.mask, baseline)
-    return coverage_mesh.write(out, asked.about.mesh, asked.excluded.mask, seen)
+    cameras = asked.ring.cameras(np.array(result.angles))
+    baseline = result.constraints.baseline(asked.ring)
+    first = asked.poses[0]
+    seen = exact.evaluate(first.mesh, cameras, result.threshold, first.excluded, baseline)
+    return coverage_mesh.write(out, first.mesh, first.excluded, seen)
 
 
 def _print(asked: Request, result: placement.Placement, rows: list[layout_table.Row]) -> None:
     console = terminal()
-    baseline = result.constraints.baseline(result.ring)
-    apart = f", two of them at least {baseline:.4g} mm apart" if baseline > 0 else ""
-    console.print(
-        f"{asked.about.name}: {len(asked.about.mesh.faces)} faces; not counted: {asked.excluded.words}\n"
-        f"ring maximum ({result.settings.ring_cameras} cameras): {result.ring_area:.2f} mm²; a point counts when at "
-        f"least {result.threshold} of the {result.n_cameras} cameras see it{apart}",
-    )
+    for words in site_table.headings(asked, result):
+        console.print(words)
+    if len(asked.poses) > 1:
+        console.print(site_table.site_table(asked, result))
     console.print(layout_table.layout_table(rows, "equidistant"))
     console.print(
         "optimised ring angles [degrees]: " + ", ".join(f"{angle:.3f}" for angle in np.degrees(result.angles)),
     )
+    found = rows[-1].robustness
+    if found is not None:
+        console.print(robustness_table.faults_table(rows))
+        console.print(robustness_table.faults_caption(rows, asked.of))
+        console.print(robustness_table.consensus_words(placement.consensus(result), result.angles))
+        if found.pairs:
+            area = sum(site.area for site in result.sites)
+            console.print(robustness_table.pairs_words(found, area))
+            console.print(robustness_table.pairs_table(found, area))
     if result.certificate is not None:
         console.print(result.certificate.statement)
-
-
-def _rows(result: placement.Placement, mesh: trimesh.Trimesh, excluded: np.ndarray) -> list[layout_table.Row]:
-    best_phase = result.best_equidistant_phase
-    layouts = [
-        ("equidistant", result.ring.equidistant(result.n_cameras), result.equidistant_area),
-        (
-            f"equidistant, best phase ({np.degrees(best_phase):.1f}°)",
-            result.ring.equidistant(result.n_cameras, best_phase),
-            result.best_equidistant_area,
-        ),
-        ("optimised", np.array(result.angles), result.area),
-    ]
-    rows = []
-    for name, angles, area in layouts:
-        spread = placement.triangulation(mesh, result.ring, angles, result.threshold, excluded)
-        gain = None if name == "equidistant" else (area - result.equidistant_area) / result.ring_area
-        rows.append(layout_table.row(name, angles, area, result.ring_area, gain, spread))
-    return rows

@@ -48,7 +48,7 @@ def subject(name: str, depth: float | None, detail: str | None, repair: bool = F
     Parameters
     ----------
     name : str
-        Path of an STL, OBJ or PLY file, or name of a site.
+        Path of an STL, OBJ or PLY file, or name of a site, with its depth or without: circ_artery@50.
     depth, detail : float or None, str or None
         Of a built-in site.
     repair, scale : bool, float
@@ -58,14 +58,8 @@ def subject(name: str, depth: float | None, detail: str | None, repair: bool = F
     ------
     InputError, meshes.MeshError
     """
-    if name in meshes.SITES and not Path(name).exists():
-        if scale != 1.0:
-            raise InputError(f"the built-in site {name} is in millimetres; leave the scale of {scale:g} out")
-        site = meshes.SITES[name]
-        depth = site.depths[0] if depth is None else depth
-        with working(f"building {name}"):
-            mesh = meshes.site(name, depth=depth, **({} if detail is None else {"detail": detail}))
-        return Subject(f"{name}, depth {depth:g} mm", mesh, True, site.fov)
+    if is_site(name):
+        return _site(name, depth, detail, scale)
     if depth is not None or detail is not None:
         raise InputError(
             f"--depth and --detail belong to built-in sites, and {name} is not one; "
@@ -82,6 +76,30 @@ def subject(name: str, depth: float | None, detail: str | None, repair: bool = F
     for warning in caught:
         note(f"warning: {warning.message}")
     return Subject(Path(name).name, mesh, False, USUAL_FOV)
+
+
+def is_site(name: str) -> bool:
+    """Whether a built-in site is meant, with its depth or without; a file of that name goes first."""
+    return name.partition("@")[0] in meshes.SITES and not Path(name).exists()
+
+
+def _site(name: str, depth: float | None, detail: str | None, scale: float) -> Subject:
+    name, at, own_depth = name.partition("@")
+    site = meshes.SITES[name]
+    if scale != 1.0:
+        raise InputError(f"the built-in site {name} is in millimetres; leave the scale of {scale:g} out")
+    if at and depth is not None:
+        raise InputError(f"{name}@{own_depth} says the depth, and so does --depth {depth:g}; leave one of them out")
+    try:
+        depth = float(own_depth) if at else depth
+    except ValueError as error:
+        raise InputError(
+            f"{name}@{own_depth}: after @ stands the depth in millimetres, as in {name}@{site.depths[0]:g}"
+        ) from error
+    depth = site.depths[0] if depth is None else depth
+    with working(f"building {name}"):
+        mesh = meshes.site(name, depth=depth, **({} if detail is None else {"detail": detail}))
+    return Subject(f"{name}, depth {depth:g} mm", mesh, True, site.fov)
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,19 +1,24 @@
 """The file `layout.json`: a ring and where its cameras sit, with the exact areas and all that repeats them."""
 
 import json
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 import exact
-import placement
 from experiments.errors import InputError
 from experiments.files import written_whole
 
+if TYPE_CHECKING:  # at run time it would bring jax along, which reading a layout hardly ever needs
+    import placement
+    from experiments.subjects import Request
+
 FORMAT = "camring layout"
 VERSION = 1
+# Fields of `placement.Constraints`, here once more for the same reason.
+CONSTRAINTS = ("fixed", "forbidden", "min_angle", "min_baseline", "min_separation")
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,35 +50,58 @@ def ring_content(ring: exact.Ring) -> dict[str, Any]:
     }
 
 
-def placement_content(placement, mesh_name: str, excluded: str) -> dict[str, Any]:
-    """A `placement.Placement` as it stands in the file."""
-    maximum = placement.ring_area
-    areas = {
-        "optimised": placement.area,
-        "equidistant": placement.equidistant_area,
-        "best_equidistant": placement.best_equidistant_area,
-        "ring_maximum": maximum,
-    }
-    constraints = asdict(placement.constraints)
+def placement_content(found: "placement.Placement", asked: "Request") -> dict[str, Any]:
+    """A `placement.Placement` as it stands in the file.
+
+    Areas are sums over the meshes, of several poses of a mesh their mean; fractions are what was maximised: the mean
+    over all meshes and poses, or the worst. "mesh" is the first, "meshes" are all of them.
+    """
+    first, n_poses, poses = found.sites[0], asked.n_poses, asked.rig
+    names = ("optimised", "equidistant", "best_equidistant", "ring_maximum")
+    areas = (found.area, found.equidistant_area, found.best_equidistant_area, found.ring_area)
+    fractions = (found.fraction, found.equidistant_fraction, found.best_equidistant_fraction, 1.0)
     return {
         "format": FORMAT,
         "version": VERSION,
-        "ring": ring_content(placement.ring),
-        "n_cameras": placement.n_cameras,
-        "threshold": placement.threshold,
-        "angles_deg": np.degrees(placement.angles).tolist(),
-        "angles_rad": list(placement.angles),
-        "best_equidistant_phase_deg": float(np.degrees(placement.best_equidistant_phase)),
-        "areas_mm2": areas,
-        "fractions_of_ring_maximum": {name: area / maximum for name, area in areas.items()},
-        "smallest_separation_mm": placement.smallest_separation if placement.n_cameras > 1 else None,
-        "mesh": {"name": mesh_name, "sha256": placement.mesh_hash, "excluded": excluded,
-                 "n_excluded_faces": placement.n_excluded},
-        "constraints": constraints,
-        "certificate": None if placement.certificate is None else certificate_content(placement.certificate),
-        "settings": asdict(placement.settings),
-        "seed": placement.seed,
-        "versions": placement.versions,
+        "ring": ring_content(found.ring),
+        "n_cameras": found.n_cameras,
+        "threshold": found.threshold,
+        "angles_deg": np.degrees(found.angles).tolist(),
+        "angles_rad": list(found.angles),
+        "best_equidistant_phase_deg": float(np.degrees(found.best_equidistant_phase)),
+        "areas_mm2": {name: area / n_poses for name, area in zip(names, areas, strict=True)},
+        "fractions_of_ring_maximum": dict(zip(names, fractions, strict=True)),
+        "smallest_separation_mm": found.smallest_separation if found.n_cameras > 1 else None,
+        "mesh": {"name": asked.subjects[0].name, "sha256": first.mesh_hash, "excluded": asked.excluded[0].words,
+                 "n_excluded_faces": first.n_excluded, "scale": 1.0 if asked.subjects[0].is_site else asked.rig.scale},
+        "meshes": [_mesh_content(found, asked, number) for number in range(len(asked.subjects))],
+        "objective": found.objective,
+        "poses": {"n": n_poses, "tilt_deg": poses.tilt_deg, "shift_mm": poses.shift_mm} if n_poses > 1 else None,
+        "falloff_mm": asked.rig.falloff_mm,
+        "constraints": asdict(found.constraints),
+        "certificate": None if found.certificate is None else certificate_content(found.certificate),
+        "settings": asdict(found.settings),
+        "seed": found.seed,
+        "versions": found.versions,
+    }  # fmt: skip
+
+
+def _mesh_content(found: "placement.Placement", asked: "Request", number: int) -> dict[str, Any]:
+    """One mesh: what it is, how much it counts, and its areas in each pose."""
+    about, excluded = asked.subjects[number], asked.excluded[number]
+    sites = found.sites[number * asked.n_poses : (number + 1) * asked.n_poses]
+    return {
+        "name": about.name,
+        "sha256": sites[0].mesh_hash,
+        "excluded": excluded.words,
+        "n_excluded_faces": sites[0].n_excluded,
+        "scale": 1.0 if about.is_site else asked.rig.scale,
+        "weight": asked.weights[number],
+        "areas_of_poses_mm2": [
+            {"optimised": site.area, "equidistant": site.equidistant_area,
+             "best_equidistant": site.best_equidistant_area, "ring_maximum": site.ring_area}
+            for site in sites
+        ],
     }  # fmt: skip
 
 
@@ -130,8 +158,8 @@ def read(path: Path) -> LayoutFile:
         )
         angles = _angles(content)
         made.positions(angles)
-        min_baseline = _constraints(content).baseline(made)
-    except (exact.ExactError, placement.PlacementError, InputError) as error:
+        min_baseline = _baseline(content, made)
+    except (exact.ExactError, InputError) as error:
         raise InputError(f"{path}: {error}") from error
     threshold = content.get("threshold", 2)
     if isinstance(threshold, bool) or not isinstance(threshold, int) or not 1 <= threshold <= len(angles):
@@ -139,13 +167,20 @@ def read(path: Path) -> LayoutFile:
     return LayoutFile(path, made, angles, threshold, min_baseline, content)
 
 
-def _constraints(content: dict[str, Any]) -> placement.Constraints:
-    """Those the layout meets; none for a file that says nothing of them, such as one written by hand."""
-    kept = content.get("constraints", {"min_separation": 0.0})
-    known = {field.name for field in fields(placement.Constraints)}
-    if not isinstance(kept, dict) or not set(kept) <= known:
-        raise InputError(f'"constraints" is {kept!r}; it must give some of {", ".join(sorted(known))}')
-    return placement.Constraints(**kept)
+def _baseline(content: dict[str, Any], ring: exact.Ring) -> float:
+    """Least baseline [mm]; 0 for a file that says nothing of constraints, such as one written by hand."""
+    kept = content.get("constraints", {})
+    if not isinstance(kept, dict) or not set(kept) <= set(CONSTRAINTS):
+        raise InputError(f'"constraints" is {kept!r}; it must give some of {", ".join(CONSTRAINTS)}')
+    asked = {name: kept[name] for name in ("min_baseline", "min_angle") if kept.get(name, 0) != 0}
+    if not asked:
+        return 0.0
+    import placement
+
+    try:
+        return placement.Constraints(**asked).baseline(ring)
+    except placement.PlacementError as error:
+        raise InputError(str(error)) from error
 
 
 def _angles(content: dict[str, Any]) -> np.ndarray:

@@ -4,14 +4,19 @@ import csv
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from rich.table import Table
 
-import placement
 from experiments.files import written_whole
 from experiments.terminal import table
+
+if TYPE_CHECKING:  # at run time only their values are needed
+    import placement
+
+# Shares of the reconstructable area whose greatest best triangulation angle is told.
+SHARES = (0.05, 0.5, 0.95)
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,13 +29,17 @@ class Row:
     angles : (M,) ndarray
         Ring angles [rad].
     area, fraction : float
-        Exact reconstructable area [mm²], and over the ring maximum.
+        Exact reconstructable area [mm²], and fraction of the ring maximum.
     gain : float or None
         Fraction more than the layout everything is compared with; None for that layout itself.
     smallest_separation : float
         Least chord between two cameras [mm]; infinite for one camera.
     widest_angle, mean_angle : float
         Widest and mean best triangulation angle over the reconstructable area [rad].
+    angle_quantiles : tuple of float
+        Best triangulation angles that `SHARES` of the reconstructable area do not exceed [rad].
+    robustness : placement.Robustness or None
+        What is left under faults, if that was worked out.
     """
 
     name: str
@@ -41,13 +50,23 @@ class Row:
     smallest_separation: float
     widest_angle: float
     mean_angle: float
+    angle_quantiles: tuple[float, ...]
+    robustness: "placement.Robustness | None" = None
 
 
-def row(name: str, angles, area: float, maximum: float, gain: float | None, spread: placement.Triangulation) -> Row:
-    """The row of a layout with this exact area, where `maximum` is the ring maximum [mm²]."""
+def row(
+    name: str,
+    angles,
+    area: float,
+    fraction: float,
+    gain: float | None,
+    spread: "placement.Triangulation",
+    robustness: "placement.Robustness | None" = None,
+) -> Row:
+    """The row of a layout with this exact area [mm²] and fraction of the ring maximum."""
     return Row(
-        name, np.asarray(angles), area, area / maximum, gain,
-        spread.smallest_separation, spread.widest_angle, spread.mean_best_angle,
+        name, np.asarray(angles), area, fraction, gain, spread.smallest_separation, spread.widest_angle,
+        spread.mean_best_angle, spread.best_angle_quantiles(SHARES), robustness,
     )  # fmt: skip
 
 
@@ -71,6 +90,16 @@ def layout_table(rows: Sequence[Row], compared_with: str) -> Table:
 
 def figures(row: Row) -> dict[str, Any]:
     """Every figure of a row in full, angles in degrees; None where there is none."""
+    found = row.robustness
+    faults = {} if found is None else {
+        "worst_failure_fraction": found.worst_failure,
+        "mean_failure_fraction": found.mean_failure,
+        "worst_mounting_fraction": found.worst_mounting,
+    }  # fmt: skip
+    quantiles = {
+        f"triangulation_angle_{100 * share:.0f}_percent_deg": float(np.degrees(angle))
+        for share, angle in zip(SHARES, row.angle_quantiles, strict=True)
+    }
     return {
         "layout": row.name,
         "area_mm2": row.area,
@@ -79,6 +108,8 @@ def figures(row: Row) -> dict[str, Any]:
         "smallest_separation_mm": row.smallest_separation if np.isfinite(row.smallest_separation) else None,
         "widest_triangulation_angle_deg": float(np.degrees(row.widest_angle)),
         "mean_triangulation_angle_deg": float(np.degrees(row.mean_angle)),
+        **quantiles,
+        **faults,
         "ring_angles_deg": np.degrees(row.angles).tolist(),
     }
 

@@ -21,7 +21,7 @@ import numpy as np
 import exact
 import placement
 from experiments.errors import InputError
-from experiments.words import parse_angles, parse_arcs, parse_fov
+from experiments.words import parse_angles, parse_arcs, parse_fov, parse_weights
 
 
 @dataclass(frozen=True)
@@ -73,6 +73,7 @@ FLAG = Kind("true or false", "true", _instance_of(bool))
 WORD = Kind("a text in quotes", '"top"', _instance_of(str))
 NUMBERS = Kind("a list of numbers", "[0.0, 90.0]", _numbers, parse_angles)
 SIZE = Kind("a list of two numbers", "[36.0, 24.0]", lambda value: _numbers(value, 2), parse_fov)
+WEIGHTS = Kind("a list of numbers", "[1.0, 2.0]", _numbers, parse_weights)
 VECTOR = Kind("a list of three numbers", "[0.0, 0.0, 1.0]", lambda value: _numbers(value, 3))
 ARCS = Kind(
     "a list of [start, end]",
@@ -151,6 +152,22 @@ SECTIONS: dict[str, dict[str, Key]] = {
         "repair": Key(FLAG, False, "Whether to put right what can be: winding, faces without area."),
         "scale": Key(NUMBER, 1.0, "Factor from the mesh file's unit to millimetres."),
     },
+    "sites": {
+        "objective": Key(
+            WORD, "mean", 'What one layout for several meshes maximises: the "mean" of their fractions of the ring '
+            'maximum, or that of the "worst" mesh.',
+        ),
+        "site_weights": Key(WEIGHTS, None, "How much each mesh counts in the mean; unless given all count equally."),
+        "falloff_mm": Key(
+            NUMBER, None, "Distance from the focus at which a face counts half, falling off on; unless given all count "
+            "fully [mm].",
+        ),
+    },
+    "poses": {
+        "jitter": Key(WHOLE, 1, "Poses of each mesh that the layout is to serve; the mesh as it is comes first."),
+        "tilt_deg": Key(NUMBER, 2.0, "Greatest tilt of the other poses [degrees]."),
+        "shift_mm": Key(NUMBER, 1.0, "Greatest shift of the other poses [mm]."),
+    },
 }  # fmt: skip
 KEYS = {name: key for section in SECTIONS.values() for name, key in section.items()}
 
@@ -178,6 +195,16 @@ class Rig:
     repair : bool
     scale : float
         Factor from the mesh file's unit to millimetres.
+    objective : str
+        "mean" or "worst", over several meshes.
+    site_weights : tuple of float or None
+        How much each mesh counts in the mean; None for equally.
+    falloff_mm : float or None
+        Distance from the focus at which a face counts half [mm]; None for faces that all count fully.
+    jitter : int
+        Poses of each mesh.
+    tilt_deg, shift_mm : float
+        Greatest tilt [degrees] and shift [mm] of the poses.
     """
 
     diameter: float
@@ -194,6 +221,12 @@ class Rig:
     exclude: str | None
     repair: bool
     scale: float
+    objective: str
+    site_weights: tuple[float, ...] | None
+    falloff_mm: float | None
+    jitter: int
+    tilt_deg: float
+    shift_mm: float
 
     def ring(self, recommended_fov: tuple[float, float]) -> exact.Ring:
         """The ring; with the recommended field of view [mm] where none was asked for.
@@ -250,7 +283,7 @@ def rig(path: Path | None = None, **options: Any) -> Rig:
         seed=values["seed"],
         certify=values["certify"],
         settings=placement.Settings(**{field.name: values[field.name] for field in fields(placement.Settings)}),
-        **{name: values[name] for name in SECTIONS["mesh"]},
+        **{name: values[name] for section in ("mesh", "sites", "poses") for name in SECTIONS[section]},
     )
 
 

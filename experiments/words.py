@@ -51,6 +51,28 @@ def parse_angles(text: str, option: str = "--angles-deg") -> tuple[float, ...]:
     return degrees
 
 
+def parse_weights(text: str, option: str = "--site-weights") -> tuple[float, ...]:
+    """Weights separated by commas.
+
+    Raises
+    ------
+    InputError
+        If one of them is no number, not finite or negative, or all of them are 0.
+
+    Examples
+    --------
+    >>> parse_weights("1, 2.5")
+    (1.0, 2.5)
+    """
+    try:
+        weights = tuple(float(part) for part in text.split(","))
+    except ValueError:
+        weights = ()
+    if not weights or not all(0 <= weight < math.inf for weight in weights) or not any(weights):
+        raise InputError(f"{option} is {text!r}; it must be numbers, at least 0 and not all 0, as in 1,2.5")
+    return weights
+
+
 def parse_arcs(text: str, option: str = "--forbidden-deg") -> tuple[tuple[float, float], ...]:
     """Arcs start:end separated by commas, each counter-clockwise from its start to its end; none for an empty text.
 

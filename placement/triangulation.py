@@ -1,5 +1,6 @@
 """How well a layout triangulates: separations, and the angles under which rays from two cameras meet."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -34,6 +35,35 @@ class Triangulation:
     mean_best_angle: float
     best_angles: np.ndarray
     weights: np.ndarray
+
+    def best_angle_quantiles(self, shares: Sequence[float] = (0.05, 0.5, 0.95)) -> tuple[float, ...]:
+        """Best angles [rad] that these shares of the reconstructable area do not exceed; 0 where there is none.
+
+        Examples
+        --------
+        >>> found = Triangulation(5.0, 0.4, 0.25, np.array([0.4, 0.1]), np.array([1.0, 1.0]))
+        >>> found.best_angle_quantiles((0.05, 0.5, 0.95))
+        (0.1, 0.1, 0.4)
+        """
+        if len(self.best_angles) == 0:
+            return (0.0,) * len(shares)
+        return tuple(np.quantile(self.best_angles, list(shares), weights=self.weights, method="inverted_cdf").tolist())
+
+    @classmethod
+    def together(cls, parts: Sequence["Triangulation"]) -> "Triangulation":
+        """One layout over the area that it reconstructs of several sites, from its results at each, at least one.
+
+        Examples
+        --------
+        >>> one = Triangulation(5.0, 0.1, 0.1, np.array([0.1]), np.array([2.0]))
+        >>> none = Triangulation(5.0, 0.0, 0.0, np.zeros(0), np.zeros(0))
+        >>> Triangulation.together([one, none]).mean_best_angle, Triangulation.together([none]).widest_angle
+        (0.1, 0.0)
+        """
+        best = np.concatenate([part.best_angles for part in parts])
+        weights = np.concatenate([part.weights for part in parts])
+        mean = float(np.average(best, weights=weights)) if len(best) else 0.0
+        return cls(parts[0].smallest_separation, float(best.max(initial=0.0)), mean, best, weights)
 
 
 def triangulation(
