@@ -283,6 +283,9 @@ def evaluate(
     out: Annotated[
         Path | None, typer.Option(help="folder for the reconstructable part and the coloured surface as meshes")
     ] = None,
+    images: Annotated[
+        Path | None, typer.Option(help="folder for a picture of what each camera sees, faces seen in part in red")
+    ] = None,
     force: Force = False,
     json: Json = False,
 ) -> None:
@@ -300,7 +303,7 @@ def evaluate(
     )  # fmt: skip
     command_evaluate.run(
         mesh, rig, options, angles_deg=angles_deg, layout=layout, depth=depth, detail=detail, target=target, out=out,
-        force=force, as_json=json,
+        images=images, force=force, as_json=json,
     )  # fmt: skip
 
 

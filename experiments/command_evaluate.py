@@ -9,7 +9,7 @@ import numpy as np
 import exact
 from experiments import layout_file, rig_file
 from experiments.errors import InputError
-from experiments.files import output_folder
+from experiments.files import image_names, output_folder
 from experiments.inputs import Request, request
 from experiments.progress import progress_bar
 from experiments.target import checked_target, reach
@@ -42,6 +42,7 @@ def run(
     detail: str | None,
     target: float | None,
     out: Path | None,
+    images: Path | None,
     force: bool,
     as_json: bool,
 ) -> None:
@@ -64,6 +65,8 @@ def run(
         cameras = _Cameras(asked.ring, angles, asked.rig.threshold, asked.rig.constraints.baseline(asked.ring))
     if out is not None:
         output_folder(out, OUTPUTS, force)
+    if images is not None:
+        output_folder(images, image_names(len(cameras.angles)), force)
     result, content = _evaluate(asked, cameras, with_maximum=target is not None)
     if as_json:
         print_json(content)
@@ -71,6 +74,8 @@ def run(
         _print(asked, cameras.angles, result, content)
     if out is not None:
         _write(out, asked, result, content)
+    if images is not None:
+        _write_images(images, asked, cameras)
     if target is not None:
         reach(target, content["fraction_of_ring_maximum"], f"these {len(cameras.angles)} cameras")
 
@@ -131,6 +136,14 @@ def _write(out: Path, asked: Request, result: exact.Reconstruction, content: dic
     names = coverage_mesh.write(out, asked.about.mesh, asked.excluded.mask, result)
     missing = "" if "reconstructable.stl" in names else "; nothing is reconstructable, so there is no mesh of it"
     note(f"wrote {', '.join(str(out / name) for name in (*names, 'evaluation.json'))}{missing}")
+
+
+def _write_images(folder: Path, asked: Request, given: _Cameras) -> None:
+    from experiments.camera_images import write_camera_images  # matplotlib is heavy, and the rest needs none
+
+    with progress_bar("drawing", len(given.angles)) as advance:
+        names = write_camera_images(folder, asked.about.name, asked.about.mesh, given.ring, given.angles, advance)
+    note(f"wrote {folder / names[0]}{f' to {names[-1]}' if len(names) > 1 else ''}")
 
 
 def refuse_unseen(name: str, result: exact.Reconstruction) -> None:

@@ -67,3 +67,15 @@ def output_file(path: Path, force: bool) -> Path:
         raise InputError(f"{path} is a folder; give the name of a file")
     output_folder(path.parent, [path.name], force)
     return path
+
+
+def image_names(n_cameras: int) -> list[str]:
+    """Names of the files with the images of that many cameras, numbered from 1 as cameras are.
+
+    Examples
+    --------
+    >>> image_names(2)
+    ['camera_01.png', 'camera_02.png']
+    """
+    digits = max(2, len(str(n_cameras)))
+    return [f"camera_{number:0{digits}d}.png" for number in range(1, n_cameras + 1)]
