@@ -27,7 +27,7 @@ SITES = (
     "spine_disc", "cerebellopontine", "glioblastoma", "eye_anterior",
 )  # fmt: skip
 DETAILS = ("coarse", "middle", "fine")
-BENCHMARKS = ("exact", "sites")
+BENCHMARKS = ("exact", "sites", "surrogate")
 OBJECTIVES = ("mean", "worst")
 FORMATS = ("colmap", "transforms", "opencv", "glb", "csv")
 
@@ -411,7 +411,8 @@ def bench(
         str,
         typer.Argument(
             help="exact: the exact evaluator, its accuracy and speed; "
-            "sites: the reference sites against the published areas",
+            "sites: the reference sites against the published areas; "
+            "surrogate: what the search maximises against exact areas",
             autocompletion=completing(BENCHMARKS),
         ),
     ],
@@ -431,10 +432,14 @@ def bench(
         from experiments import bench_sites
 
         bench_sites.run(out, force, json)
+    elif what == "surrogate":
+        from experiments import bench_surrogate
+
+        bench_surrogate.run(out, force, json)
     else:
         from experiments.errors import InputError
 
-        raise InputError(f"there is no benchmark {what!r}; choose exact or sites")
+        raise InputError(f"there is no benchmark {what!r}; choose exact, sites or surrogate")
 
 
 rig_app = typer.Typer(help="Rig files: all settings of a request, for --rig.", no_args_is_help=True)
@@ -466,7 +471,7 @@ def paper(
     report_only: Annotated[
         bool, typer.Option("--report-only", help="compute nothing; write tables and figures anew from what is there")
     ] = False,
-    detail: Annotated[str, typer.Option(help="size of the sites: coarse, middle or fine")] = "coarse",
+    detail: Detail = None,
     scheduler: Annotated[
         str | None,
         typer.Option(help="address of a Dask scheduler, tcp://...", show_default="the processors of this machine"),
@@ -482,7 +487,7 @@ def paper(
     """
     from experiments import command_paper
 
-    command_paper.run(quick, report_only, detail, scheduler, out, force)
+    command_paper.run(quick, report_only, detail or "coarse", scheduler, out, force)
 
 
 def main(arguments: list[str] | None = None) -> None:

@@ -54,7 +54,8 @@ class SearchRecord:
     Attributes
     ----------
     n_starts, n_failed, n_flat : int
-        Starts; those whose search ended in a value that is not finite; those that never moved.
+        Starts; those whose search ended in a value that is not finite; those that never moved. The latter two were
+        tried once more from elsewhere.
     n_distinct : int
         Distinct layouts at the end.
     n_exact : int

@@ -3,10 +3,12 @@
 import numpy as np
 
 from placement.arcs import LayoutSpace
-from placement.descent import descend
+from placement.descent import DescentEnd, descend
 from placement.layout import Arcs
 from placement.problem import Problem
 from placement.scoring import distinct
+from placement.settings import Settings
+from placement.surrogate import Surrogate
 
 
 def search(problem: Problem, space: LayoutSpace) -> tuple[list[np.ndarray], dict[str, int]]:
@@ -14,12 +16,29 @@ def search(problem: Problem, space: LayoutSpace) -> tuple[list[np.ndarray], dict
     if space.n_free == 0:
         return [np.array(space.constraints.fixed)], dict(n_starts=0, n_failed=0, n_flat=0, n_distinct=1)
     settings, (coverage, surrogate) = problem.settings, problem.coverage(space.constraints)
-    starts = _starts(problem, space)
+    rng = np.random.default_rng([problem.seed, 1])
+    starts = _starts(problem, space, rng)
+    ends = _descended(starts, surrogate, space, settings)
+    lost = ends.flat | ends.failed
+    n_flat, n_failed = int(ends.flat.sum()), int(ends.failed.sum())
+    if lost.any() and not lost.all():
+        # Once more from elsewhere; all together, since a batch of another size would be compiled anew.
+        starts = [space.random(rng) if anew else start for start, anew in zip(starts, lost, strict=True)]
+        ends = _descended(starts, surrogate, space, settings)
+    usable = [end for end, failed in zip(ends.angles, ends.failed, strict=True) if not failed and space.allows(end)]
+    # From the starts too: where the soft landscape leads all starts past an optimum, moving one camera may find it.
+    found = usable + [coverage.improve(space, layout) for layout in usable + starts]
+    leading = _distinct(found, problem, space)[: settings.n_pair_searches]
+    kept = _distinct(found + [coverage.improve_pairs(space, layout) for layout in leading], problem, space)
+    return kept, dict(n_starts=len(starts), n_failed=n_failed, n_flat=n_flat, n_distinct=len(kept))
+
+
+def _descended(starts: list[np.ndarray], surrogate: Surrogate, space: LayoutSpace, settings: Settings) -> DescentEnd:
     parameters, arcs = zip(*(space.parameters(start) for start in starts), strict=True)
     stacked = None
     if not space.is_whole:
         stacked = Arcs(*(np.stack([getattr(a, name) for a in arcs]) for name in Arcs._fields))  # pyright: ignore[reportArgumentType]
-    ends = descend(
+    return descend(
         np.stack(parameters),
         stacked,
         surrogate,
@@ -27,15 +46,6 @@ def search(problem: Problem, space: LayoutSpace) -> tuple[list[np.ndarray], dict
         temperatures=settings.temperatures,
         max_steps=settings.max_steps,
     )
-    usable = [end for end, failed in zip(ends.angles, ends.failed, strict=True) if not failed and space.allows(end)]
-    # From the starts too: where the soft landscape leads all starts past an optimum, moving one camera may find it.
-    found = usable + [coverage.improve(space, layout) for layout in usable + starts]
-    leading = _distinct(found, problem, space)[: settings.n_pair_searches]
-    kept = _distinct(found + [coverage.improve_pairs(space, layout) for layout in leading], problem, space)
-    counts = dict(
-        n_starts=len(starts), n_failed=int(ends.failed.sum()), n_flat=int(ends.flat.sum()), n_distinct=len(kept)
-    )
-    return kept, counts
 
 
 def _distinct(layouts: list[np.ndarray], problem: Problem, space: LayoutSpace) -> list[np.ndarray]:
@@ -45,9 +55,9 @@ def _distinct(layouts: list[np.ndarray], problem: Problem, space: LayoutSpace) -
     return [ranked[i] for i in distinct(ranked, problem.settings.distinct_tolerance)]
 
 
-def _starts(problem: Problem, space: LayoutSpace) -> list[np.ndarray]:
+def _starts(problem: Problem, space: LayoutSpace, rng: np.random.Generator) -> list[np.ndarray]:
     """Equidistant layouts at several phases where they are allowed, then random ones."""
-    settings, rng = problem.settings, np.random.default_rng([problem.seed, 1])
+    settings = problem.settings
     phases = 2 * np.pi / space.n_cameras * np.arange(settings.n_start_phases) / max(settings.n_start_phases, 1)
     even = [space.ring.equidistant(space.n_cameras, phase) for phase in phases]
     starts = [layout for layout in even if space.allows(layout)][: settings.n_starts]

@@ -72,8 +72,8 @@ class Settings:
     exact_phases: int = 3
     exact_candidates: int = 10
     distinct_tolerance: float = float(np.radians(1.0))
-    polish_steps: tuple[float, ...] = (0.04, 0.02, 0.01, 0.005)
-    polish_sweeps: int = 2
+    polish_steps: tuple[float, ...] = (0.02, 0.005)
+    polish_sweeps: int = 1
     certificate_step: float = float(np.radians(5.0))
     certificate_seconds: float = 60.0
     ring_cameras: int = 360
