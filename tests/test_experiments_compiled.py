@@ -4,7 +4,12 @@ import sys
 
 from experiments.compiled import keep_compiled
 
-ONE_FUNCTION = "from experiments.compiled import keep_compiled; keep_compiled(); import jax; jax.jit(lambda x: x * 2)(1.0)"
+ONE_FUNCTION = """
+from experiments.compiled import keep_compiled
+keep_compiled()
+import jax
+jax.jit(lambda x: x * 2)(1.0)
+"""
 
 
 def test_compiled_functions_stay_in_the_cache_of_the_user(tmp_path):
