@@ -19,6 +19,7 @@ from experiments.progress import progress_tasks
 from experiments.published import CAMERA_COUNTS
 from experiments.sweep import on_disk, pool_for, sweep
 from experiments.sweep_record import write_record
+from experiments.terminal import note
 
 AREAS, FITS, RECORD, PICTURES, TASKS, PAGE = "areas.csv", "fits.csv", "record.json", "pictures", "tasks", "paper.md"
 
@@ -34,8 +35,9 @@ def run(quick: bool, report_only: bool, detail: str, scheduler: str | None, out:
     failures = [] if report_only else _compute(quick, detail, scheduler, out, force)
     _report(out)
     if failures:
-        print(
-            f"{len(failures)} tasks failed, the first of them: {failures[0]}; {out / AREAS} names all", file=sys.stderr
+        note(
+            f"{len(failures)} tasks failed, the first of them: {failures[0]}. {out / RECORD} names all; the same command "
+            "with --force tries them again"
         )
         sys.exit(1)
 

@@ -1,8 +1,9 @@
 """Tables A1 to A3 and 2 to 6 of Wachter 2021: our value, the published one, the difference; CSV, Markdown and LaTeX."""
 
 import csv
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import astuple, dataclass, fields
+from itertools import pairwise
 from pathlib import Path
 
 from tabulate import tabulate
@@ -12,10 +13,11 @@ from experiments.paper_areas import Area
 from experiments.paper_cases import Case
 from experiments.published import published_areas
 
-Curve = dict[int, float]
-# What is tabulated: from the areas by number of cameras, one value for each number, where there is one.
-QUANTITIES: dict[str, tuple[str, str, int, Callable[[Curve], Curve]]] = {
-    "area": ("reconstructable area", "mm²", 2, lambda areas: areas),
+# Value by number of cameras; None for one that failed, which is what its successor's increase would be counted from.
+Curve = Mapping[int, float | None]
+# What is tabulated: from the areas, one value for each number of cameras that has one.
+QUANTITIES: dict[str, tuple[str, str, int, Callable[[Curve], dict[int, float]]]] = {
+    "area": ("reconstructable area", "mm²", 2, lambda areas: _known(areas)),
     "fraction": ("area over that of 360 cameras", "%", 2, lambda areas: _fractions(areas)),
     "increase": ("increase over the previous number of cameras", "mm²", 2, lambda areas: _increases(areas, False)),
     "increase_percent": ("increase over the previous number of cameras", "%", 2, lambda areas: _increases(areas, True)),
@@ -77,7 +79,7 @@ def entries(spec: TableSpec, areas: Sequence[Area], cases: Sequence[Case]) -> li
                 if case.fov != spec.fov:
                     continue
                 of_case = [area for area in areas if _is_of(area, case, included)]
-                ours = derive({area.n_cameras: area.area_mm2 for area in of_case if area.area_mm2 is not None})
+                ours = derive({area.n_cameras: area.area_mm2 for area in of_case})
                 every = {key[4]: value for key, value in published.items() if key[:4] == (*astuple(case), included)}
                 theirs = derive(every)
                 for area in of_case:
@@ -103,15 +105,21 @@ def _is_of(area: Area, case: Case, included: bool) -> bool:
     return (area.site, area.depth_mm, area.fov_mm, area.top_surface_included) == (*astuple(case), included)
 
 
-def _fractions(areas: Curve) -> Curve:
-    return {n: 100 * area / areas[360] for n, area in areas.items()} if 360 in areas else {}
+def _known(areas: Curve) -> dict[int, float]:
+    return {n: area for n, area in areas.items() if area is not None}
 
 
-def _increases(areas: Curve, percent: bool) -> Curve:
+def _fractions(areas: Curve) -> dict[int, float]:
+    maximum = areas.get(360)
+    return {} if maximum is None else {n: 100 * area / maximum for n, area in _known(areas).items()}
+
+
+def _increases(areas: Curve, percent: bool) -> dict[int, float]:
     steps = {}
-    for before, n in zip(sorted(areas), sorted(areas)[1:], strict=False):
-        step = areas[n] - areas[before]
-        steps[n] = 100 * step / areas[before] if percent else step
+    for before, n in pairwise(sorted(areas)):
+        first, second = areas[before], areas[n]
+        if first is not None and second is not None:
+            steps[n] = 100 * (second - first) / first if percent else second - first
     return steps
 
 
