@@ -125,7 +125,7 @@ def _write_meshes(out: Path, asked: Request, result: placement.Placement) -> tup
 
 def _print(asked: Request, result: placement.Placement, rows: list[layout_table.Row]) -> None:
     console = terminal()
-    for words in site_table.headings(asked, result):
+    for words in site_table.headings(asked, result, f" of the {result.n_cameras}"):
         console.print(words)
     if len(asked.poses) > 1:
         console.print(site_table.site_table(asked, result))

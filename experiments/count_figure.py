@@ -40,8 +40,8 @@ def write_count(path: Path, name: str, of: str, found: placement.Recommendation)
     ax.plot(numbers, even, "o-", color=GREY, ms=6, label="equidistant (exact area)")
     ax.axhline(found.target, color="black", linewidth=1.2, linestyle=(0, (6, 3)))
     ax.annotate(
-        f"target {100 * found.target:g} %", (1, found.target), xycoords=("axes fraction", "data"), xytext=(-4, -4),
-        textcoords="offset points", ha="right", va="top",
+        f"target {100 * found.target:g} %", (0, found.target), xycoords=("axes fraction", "data"), xytext=(6, 4),
+        textcoords="offset points", ha="left", va="bottom",
     )  # fmt: skip
     for number, values, colour, below in (
         (found.n_cameras, fractions, BLUE, False), (found.n_equidistant, even, GREY, True),
@@ -58,7 +58,7 @@ def write_count(path: Path, name: str, of: str, found: placement.Recommendation)
         xlim=(numbers[0] - 0.5, numbers[-1] + 0.5), ylim=(max(0.0, lowest - 0.08 * (1 - lowest) - 0.01), 1.02),
     )  # fmt: skip
     ax.xaxis.set_major_locator(MaxNLocator(integer=True))
-    ax.yaxis.set_major_formatter(PercentFormatter(1.0))
+    ax.yaxis.set_major_formatter(PercentFormatter(1.0, symbol=" %"))
     ax.grid(color="0.9")
     ax.spines[["top", "right"]].set_visible(False)
     ax.set_title(f"{name}: how many cameras?")
