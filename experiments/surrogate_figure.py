@@ -97,20 +97,24 @@ def _samples(ax, samplings, settings) -> None:
     ax.axvline(settings.n_samples, color="#bbbbbb", linewidth=0.8, zorder=0)
     ax.set(xscale="log", yscale="log", xlabel="samples (grey: chosen)", ylabel="error of hard coverage [% of maximum]")
     ax.set_xticks(list(groups), [str(n) for n in groups])
+    ax.set_yticks([0.05, 0.1, 0.2, 0.5, 1.0], ["0.05", "0.1", "0.2", "0.5", "1"])
     ax.minorticks_off()
     ax.set_title("How many samples?", fontsize=11)
     ax.legend(fontsize=8)
 
 
 def _profiles(ax, samplings, settings) -> None:
-    for name, words, colour in (("n_angles", "ring angles", COLOURS[0]), ("bisections", "bisections", COLOURS[2])):
+    for name, words, colour, below in (
+        ("n_angles", "ring angles", COLOURS[0], 4),
+        ("bisections", "bisections", COLOURS[2], -14),
+    ):
         groups = series(samplings, settings, name)
         sizes = [100 * mean(group, "profile_error") for group in groups.values()]
         seconds = [mean(group, "tracing_s") for group in groups.values()]
         ax.plot(seconds, sizes, "o-", color=colour, label=f"{words} varied")
         for value, x, y in zip(groups, seconds, sizes, strict=True):
-            ax.annotate(f"{value}", (x, y), textcoords="offset points", xytext=(4, 4), fontsize=9, color=colour)
-    ax.set(yscale="log", xlabel="time to sample and trace [s]", ylabel="mean error by profiles [% of maximum]")
+            ax.annotate(f"{value}", (x, y), textcoords="offset points", xytext=(4, below), fontsize=9, color=colour)
+    ax.set(yscale="log", xlabel="processor time to trace [s]", ylabel="mean error by profiles [% of maximum]")
     ax.set_title("How many ring angles and bisections?\nAgainst rays to the same samples", fontsize=11)
     ax.legend(fontsize=8)
 
@@ -124,6 +128,6 @@ def _gradients(ax, truths, rows) -> None:
         }
         ax.plot(list(found), list(found.values()), ".-", color=colour, label=label)
     ax.set(xscale="log", yscale="log", xlabel="temperature [rad]")
-    ax.set_ylabel("largest error / largest derivative")
+    ax.set(ylim=(1e-10, 1e-4), ylabel="largest error / largest derivative")
     ax.set_title("Gradient of soft coverage\nagainst central differences", fontsize=11)
     ax.legend(fontsize=8)

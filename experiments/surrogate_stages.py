@@ -18,7 +18,7 @@ from placement.surrogate import Surrogate
 
 @dataclass(frozen=True)
 class Stages:
-    """Where random starts end on one site: hard coverage as a part of the samples' ring maximum."""
+    """Where random starts end on one site: hard coverage as a part of the samples' ring maximum, processor time."""
 
     site: str
     depth_mm: float
@@ -45,12 +45,12 @@ def stages(
     rows = []
     for temperatures in sequences:
         for _ in range(2):  # the first time compiles
-            start = time.perf_counter()
+            start = time.process_time()
             end = descend(
                 starts, None, surrogate,
                 minimum_gap=space.minimum_gap, temperatures=temperatures, max_steps=settings.max_steps,
             )  # fmt: skip
-            seconds = time.perf_counter() - start
+            seconds = time.process_time() - start
         reached = [coverage.fraction(angles) for angles in end.angles]
         rows.append(
             Stages(

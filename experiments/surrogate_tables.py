@@ -41,7 +41,7 @@ def sampling_table(rows: Sequence[Sampling], settings: Settings) -> Table:
     """One number varied at a time, over all sites and seeds."""
     header = (
         "varied", "", "mean error [%]", "predicted [%]", "by profiles [%]", "ring maximum off by [%]",
-        "least rank correlation", "tracing [s]", "gradient [ms]",
+        "least rank correlation", "tracing, processor [s]", "gradient, processor [ms]",
     )  # fmt: skip
     lines = []
     for words, name in VARIED:
@@ -63,7 +63,7 @@ def sampling_table(rows: Sequence[Sampling], settings: Settings) -> Table:
 
 def stages_table(rows: Sequence[Stages]) -> Table:
     """Each sequence of temperatures, over all sites."""
-    header = ("temperatures [rad]", "mean end [%]", "best end, mean of sites [%]", "flat or failed", "time [s]")
+    header = ("temperatures [rad]", "mean end [%]", "best end, mean of sites [%]", "flat or failed", "processor [s]")
     lines = []
     for temperatures in dict.fromkeys(row.temperatures_rad for row in rows):
         group = [row for row in rows if row.temperatures_rad == temperatures]
