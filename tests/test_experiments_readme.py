@@ -45,11 +45,14 @@ def test_snippet(desk, number):
     exec(compile(SNIPPETS[number], f"README snippet {number}", "exec"), {})
 
 
-def test_commands(desk, capsys):
+def test_commands(desk, capsys, quick_search):
+    (desk / "quick.toml").write_text(quick_search, encoding="utf-8")
     for command in COMMANDS:
         arguments = shlex.split(command, comments=True)[1:]
         if command.startswith(SLOW):
             arguments = [arguments[0], "--help"]
+        elif arguments[0] == "optimise" and "--rig" not in arguments:
+            arguments += ["--rig", "quick.toml"]
         with pytest.raises(SystemExit) as end:
             main(arguments)
         assert not end.value.code, (command, capsys.readouterr().err)
