@@ -42,7 +42,9 @@ class Plan:
     sample_seeds: tuple[int, ...] = (0, 1)
     n_angles: tuple[int, ...] = (36, 72, 120, 240)
     bisections: tuple[int, ...] = (0, 2, 5, 8)
-    sequences: tuple[tuple[float, ...], ...] = ((0.03,), (0.2, 0.03), (0.5, 0.2, 0.08, 0.03, 0.01))
+    sequences: tuple[tuple[float, ...], ...] = (
+        (0.03,), (0.2, 0.03), (0.2, 0.08, 0.03, 0.01), (0.5, 0.2, 0.08, 0.03, 0.01),
+    )  # fmt: skip
     n_starts: int = 16
     workers: int = 2
 
