@@ -24,6 +24,11 @@ PHASES = (2, 3)
 START_DECAYS = (0.6, 1.2, 2.5, 6.0, 15.0, 40.0, 120.0)
 # Amplitudes enter as logarithms, so that they stay positive; a start has at least this part of the plateau.
 LEAST_AMPLITUDE = 1e-4
+# A phase that lacks less than this part of the plateau, or that takes this many cameras, is there in name only.
+LEAST_PHASE, SLOWEST = 1e-6, 1e4
+# Directions among the parameters along which the curve changes this much less than along others are not told by the
+# data, nor is a parameter that has more than this share in one.
+APART, SHARE = 1e-7, 1e-3
 TOLERANCE = 1e-12
 MAX_STEPS = 400
 
@@ -110,7 +115,7 @@ def _fit(n: np.ndarray, areas: np.ndarray, phases: int) -> DecayFit | None:
     natural = np.concatenate([best[:1], np.exp(best[1 : 1 + phases])[order], np.exp(best[1 + phases :])[order]])
     left = np.array(_residuals(natural, n, areas / scale))
     jacobian = np.array(jax.jacobian(_residuals)(jnp.array(natural), jnp.array(n), jnp.array(areas / scale)))
-    errors = _standard_errors(jacobian, left)
+    errors = _standard_errors(natural, jacobian, left)
     in_mm2 = np.concatenate([np.full(1 + phases, scale), np.ones(phases)])
     values, errors = natural * in_mm2, errors * in_mm2
     squares, free = float(left @ left), _n_free(phases)
@@ -151,16 +156,23 @@ def _solve(starts, n, heights):
     return jax.vmap(from_one)(starts)
 
 
-def _standard_errors(jacobian: np.ndarray, residuals: np.ndarray) -> np.ndarray:
-    """Square roots of the diagonal of the usual covariance of a least squares fit; nan where it is singular."""
+def _standard_errors(natural: np.ndarray, jacobian: np.ndarray, residuals: np.ndarray) -> np.ndarray:
+    """Square roots of the diagonal of the usual covariance of a least squares fit; nan where the data tell nothing."""
     n_points, n_parameters = jacobian.shape
-    # Columns of very unlike size are brought to one before the matrix is asked whether it can be inverted.
-    lengths = np.linalg.norm(jacobian, axis=0)
-    if (lengths == 0).any() or np.linalg.matrix_rank(jacobian / lengths) < n_parameters:
-        return np.full(n_parameters, np.nan)
-    inverse = np.linalg.inv((jacobian / lengths).T @ (jacobian / lengths))
+    phases = (n_parameters - 1) // 2
+    real = (natural[1 : 1 + phases] > LEAST_PHASE * natural[0]) & (natural[1 + phases :] < SLOWEST)
+    used = np.flatnonzero(np.concatenate([[True], real, real]))
+    # Columns of very unlike size are brought to one before it is asked which of them can be told apart.
+    lengths = np.linalg.norm(jacobian[:, used], axis=0)
+    lengths[lengths == 0] = 1.0
+    _, sizes, directions = np.linalg.svd(jacobian[:, used] / lengths, full_matrices=False)
+    told = sizes > APART * sizes[0]
     variance = residuals @ residuals / (n_points - n_parameters)
-    return np.sqrt(np.maximum(variance * np.diag(inverse), 0.0)) / lengths
+    errors = np.sqrt(variance * np.sum((directions[told] / sizes[told, None]) ** 2, axis=0)) / lengths
+    errors[(np.abs(directions[~told]) > SHARE).any(axis=0)] = np.nan
+    every = np.full(n_parameters, np.nan)
+    every[used] = errors
+    return every
 
 
 def _floats(values: np.ndarray) -> tuple[float, ...]:

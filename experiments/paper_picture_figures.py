@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
+from PIL import Image
 
 from experiments.coverage_figure import add_polygons
 from experiments.files import written_whole
@@ -24,6 +25,7 @@ NEVER = "#fbf9f4"
 # Little shade, for gray is a colour of the paper: what is never seen must stay lighter than that.
 NEVER_SHADE = 0.35
 INK = "#202020"
+PNG_COLOURS = 256  # eleven colours and their shades need no more, and it is less than half as large
 
 
 @dataclass(frozen=True)
@@ -48,7 +50,7 @@ FIGURES = (
     ),
     PictureFigure(
         "9", "Close-up of the artery: what each number of equidistant cameras adds",
-        ((Case("circ_artery", 50, "36x24"),),), close_up=(-8.0, 8.0, -4.0, 8.0),
+        ((Case("circ_artery", 50, "36x24"),),), close_up=(-10.5, 10.5, -10.0, 3.0),
     ),
     PictureFigure(
         "10", "Elliptical sites, field of view 36 × 24 mm",
@@ -72,15 +74,29 @@ def write_picture_figure(folder: Path, spec: PictureFigure, pictures: dict[Case,
     for name in names:
         with written_whole(folder / name) as temporary:
             figure.savefig(temporary, metadata={"CreationDate": None} if name.endswith("pdf") else {})
+            if name.endswith("png"):
+                _with_few_colours(temporary)
     return names
+
+
+def _with_few_colours(path: Path) -> None:
+    """Save a PNG file again with a palette that has the legend's colours, however little of them there is."""
+    legend = [round(255 * part) for colour in COLOURS.values() for part in to_rgb(colour)]
+    with Image.open(path) as image:
+        full = image.convert("RGB")
+    usual = full.quantize(PNG_COLOURS - len(COLOURS)).getpalette() or []
+    palette = Image.new("P", (1, 1))
+    palette.putpalette(usual + legend)
+    full.quantize(palette=palette, dither=Image.Dither.NONE).save(path, optimize=True)
 
 
 def _drawn(spec: PictureFigure, rows: Sequence[Sequence[Case]], pictures: dict[Case, Picture]) -> Figure:
     n_columns = max(len(row) for row in rows)
-    single = len(rows) == 1 and n_columns == 1
-    side = 7.5 if single else 6.0 if n_columns == 2 else 4.2
-    height = side * (0.75 if spec.close_up else 1.0)
+    side = {1: 8.5, 2: 6.0}.get(n_columns, 4.2)
+    left, right, low, high = spec.close_up or (0.0, 1.0, 0.0, 1.0)
+    height = side * (high - low) / (right - left)
     figure = Figure(figsize=(side * n_columns + 0.6, height * len(rows) + 1.9), dpi=110, layout="constrained")
+    figure.get_layout_engine().set(h_pad=0.1)  # pyright: ignore[reportOptionalMemberAccess, reportCallIssue]
     axes = figure.subplots(len(rows), n_columns, squeeze=False)
     for ax in axes.flat:
         ax.set_axis_off()

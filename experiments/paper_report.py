@@ -28,8 +28,7 @@ NOT_THE_CAMERAS = """\
   the paper."""
 WHY = """\
 - **In the models.** The paper's were cut from a scan of a head and are not public; ours are of the same kind. What lies
-  at the bottom of a channel, and how much of it is hidden, is not the same tissue. This shows most with 2 cameras,
-  which leave the most hidden.
+  at the bottom of a channel, and how much of it is hidden from how many cameras, is not the same tissue.
 - **In the opening of the elliptical sites.** Of its outline only the area is known. With 36 × 24 mm the field of view
   ends on the walls, whose shape then decides what another camera adds; with 60 × 60 mm it does not.
 - **Hardly in the method.** The paper orders faces by their nearest vertex, which is wrong for long or slanted ones; on
@@ -85,18 +84,20 @@ def _in_short(rows: Sequence[Entry]) -> list[str]:
     counts = sorted({row.n_cameras for row in rows if row.ours is not None and row.n_cameras < 360})
     if not counts:
         return []
-    lines = []
-    for n in counts:
-        of_count = [row for row in rows if row.n_cameras == n and row.ours is not None]
-        lines.append([str(n), *(_spread(row, of_count) for row in ("ours", "published"))])
-    n_sites = len({(row.site, row.depth_mm) for row in rows})
+    header, lines = ["cameras"], [[str(n)] for n in counts]
+    for kind, circular in (("circular", True), ("elliptical", False)):
+        of_kind = [row for row in rows if row.ours is not None and (row.site in CIRCULAR) == circular]
+        for who in ("ours", "published") if of_kind else ():
+            header.append(f"{kind}, {who}")
+            for n, line in zip(counts, lines, strict=True):
+                line.append(_spread(who, [row for row in of_kind if row.n_cameras == n]))
     return [
         "## In short",
         "",
-        f"Part of the area of 360 cameras that fewer reconstruct, top surface not counted: mean over the {n_sites}",
-        "sites, in parentheses the least and the greatest [%].",
+        "Part of the area of 360 cameras that fewer reconstruct, top surface not counted: mean over the circular and",
+        "the elliptical sites, in parentheses the least and the greatest [%].",
         "",
-        tabulate(lines, ["cameras", "ours", "published"], tablefmt="github", disable_numparse=True),
+        tabulate(lines, header, tablefmt="github", disable_numparse=True),
         "",
     ]
 
@@ -162,7 +163,7 @@ def _fits(fits: Sequence[FitRow]) -> list[str]:
         "## Fits",
         "",
         "A_r(n) = plateau − Σ aₖ exp(−(n − 2)/dₖ) with two or three phases, as AICc decides: in parentheses standard",
-        "errors; *?* is what the data do not tell, since a phase is over before n = 4 or there is nothing left for it.",
+        "errors; *?* is what the data do not tell: of a phase that is over before n = 4, or of two that are as fast.",
         "All of them, also those not chosen, are in `fits.csv`.",
         "",
     ]

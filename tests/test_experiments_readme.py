@@ -19,7 +19,7 @@ COMMANDS = [
     if line.startswith("camring")
 ]
 # Long: their parts are tested elsewhere, and the command is known to the parser.
-SLOW = ("camring bench", "camring site --gallery", "camring count", "camring optimise circ_artery")
+SLOW = ("camring bench", "camring paper", "camring site --gallery", "camring count", "camring optimise circ_artery")
 
 
 @pytest.fixture
