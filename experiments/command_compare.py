@@ -54,16 +54,18 @@ def run(
     rig, rows = read[0].ring, []
     with progress_bar("scoring exactly", RING_CAMERAS + sum(len(one.angles) for one in read)) as advance:
 
-        def area(angles) -> float:
+        def area(angles, apart: float) -> float:
             cameras = rig.cameras(angles)
-            result = exact.evaluate(about.mesh, cameras, threshold, excluded.mask, baseline, report=advance)
+            result = exact.evaluate(about.mesh, cameras, threshold, excluded.mask, apart, report=advance)
             refuse_unseen(about.name, result)
             return result.area
 
-        areas = [area(one.angles) for one in read]
-        maximum = area(rig.equidistant(RING_CAMERAS))
+        areas = [area(one.angles, baseline) for one in read]
+        maximum = area(rig.equidistant(RING_CAMERAS), 0.0)  # whatever the baseline
     for one, found in zip(read, areas, strict=True):
-        spread = placement.triangulation(about.mesh, rig, one.angles, threshold, excluded.mask)
+        spread = placement.triangulation(
+            about.mesh, rig, one.angles, threshold, excluded.mask, min_baseline=baseline
+        )
         gain = None if one is read[0] else (found - areas[0]) / maximum
         rows.append(layout_table.row(str(one.path), one.angles, found, found / maximum, gain, spread))
     content: dict[str, Any] = {

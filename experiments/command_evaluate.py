@@ -106,7 +106,8 @@ def _evaluate(asked: Request, given: _Cameras, with_maximum: bool) -> tuple[exac
         maximum = None
         if with_maximum:
             around = given.ring.cameras(given.ring.equidistant(n_ring))
-            maximum = exact.evaluate(mesh, around, given.threshold, excluded, given.min_baseline, report=advance).area
+            # The ring maximum does not depend on the baseline, so that fractions compare.
+            maximum = exact.evaluate(mesh, around, given.threshold, excluded, report=advance).area
     content = {
         "mesh": {
             "name": asked.about.name,

@@ -93,7 +93,10 @@ def _rows(
         found = placement.robustness(problem, angles, asked.rig.constraints) if robust else None
         spread = placement.Triangulation.together(
             [
-                placement.triangulation(pose.mesh, asked.ring, angles, asked.rig.threshold, pose.excluded, n_samples)
+                placement.triangulation(
+                    pose.mesh, asked.ring, angles, asked.rig.threshold, pose.excluded, n_samples,
+                    min_baseline=result.constraints.baseline(asked.ring),
+                )  # fmt: skip
                 for pose in asked.poses
             ]
         )

@@ -94,9 +94,9 @@ class SampledCoverage:
         now_seen = self._seen[waiting] > 0
         enough = (count[waiting] >= self.threshold)[:, None] | now_seen
         linked = paired[waiting][:, None] | (partner & now_seen)
-        gained = np.zeros((self.profiles.n_sites, len(self.grid)))
-        np.add.at(gained, self.profiles.site[waiting], self.profiles.weights[waiting, None] * (enough & linked))
-        return _worth(gained + self.profiles.sums(done)[:, None])
+        won = (enough & linked).astype(np.float32)
+        weights = self._weights[waiting] * (self.profiles.site[waiting] == np.arange(self.profiles.n_sites)[:, None])
+        return _worth((weights.astype(np.float32) @ won).astype(np.float64) + self.profiles.sums(done)[:, None])
 
     def worth_with_two_more(self, angles) -> np.ndarray:
         """(G, G) `worth` of (M - 2,) ring angles [rad] and two more on `pair_grid`; any baseline is left out."""

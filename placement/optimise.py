@@ -143,7 +143,7 @@ def place(
     threshold = checked_threshold(problem.threshold, space.n_cameras, space.constraints)
     scorer, (coverage, surrogate) = problem.scorer(space.constraints), problem.coverage(space.constraints)
     evaluated, clock = scorer.n_evaluations, _Clock()
-    scorer.begin_ring_maximum()
+    problem.ring_maximum.begin()
 
     report("searching", 0, 1)
     pool, counts = search(problem, space)

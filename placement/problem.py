@@ -10,7 +10,7 @@ from placement.constraints import Constraints
 from placement.exchange import SampledCoverage
 from placement.profiles import RingProfiles
 from placement.sampled_site import sample_site
-from placement.scoring import ExactScorer, available_cores
+from placement.scoring import ExactScorer, RingMaximum, available_cores
 from placement.settings import Settings
 from placement.sites import Objective, Sites, checked_sites
 from placement.surrogate import Surrogate
@@ -60,7 +60,7 @@ class Problem:
     >>> from dataclasses import replace
     >>> quick = replace(Settings(), n_samples=500, n_angles=36, ring_cameras=16)
     >>> problem = Problem(trimesh.creation.box((30, 30, 1)), exact.Ring(), settings=quick)
-    >>> 800 < problem.scorer(Constraints()).ring_areas[0] < 900
+    >>> 800 < problem.ring_maximum.areas[0] < 900
     True
     """
 
@@ -83,6 +83,7 @@ class Problem:
         self.ring, self.threshold, self.seed = ring, threshold, seed
         self.settings = Settings() if settings is None else settings
         self.workers = available_cores() if workers is None else workers
+        self.ring_maximum = RingMaximum(self.sites, ring, threshold, self.settings.ring_cameras, self.workers)
         self._scorers: dict[float, ExactScorer] = {}
         self._coverages: dict[float, tuple[SampledCoverage, Surrogate]] = {}
         n_sites = len(self.sites.members)
@@ -102,7 +103,7 @@ class Problem:
         baseline = constraints.baseline(self.ring)
         if baseline not in self._scorers:
             self._scorers[baseline] = ExactScorer(
-                self.sites, self.ring, self.threshold, baseline, self.settings.ring_cameras, self.workers
+                self.sites, self.ring, self.threshold, baseline, self.ring_maximum, self.workers
             )
         return self._scorers[baseline]
 

@@ -86,7 +86,7 @@ class SiteResult:
     equidistant_area, best_equidistant_area : float
         With the equidistant layout at phase 0 (Wachter 2021), and at the best phase tried [mm²].
     ring_area : float
-        Ring maximum: with `settings.ring_cameras` equidistant cameras [mm²].
+        Ring maximum: with `settings.ring_cameras` equidistant cameras, whatever the baseline asked for [mm²].
     share : float
         Part of the site in the mean over all sites.
     mesh_hash : str

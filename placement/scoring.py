@@ -8,7 +8,7 @@ import numpy as np
 
 import exact
 from placement.arcs import LayoutSpace
-from placement.sites import Sites
+from placement.sites import Site, Sites
 
 # An improvement of the exact fraction smaller than this is rounding, not a better layout.
 WORTHWHILE = 1e-7
@@ -27,8 +27,8 @@ class ExactScorer:
         How many cameras must see a point.
     min_baseline : float
         Least chord between some two of the cameras that see a point [mm].
-    ring_cameras : int
-        Equidistant cameras whose exact area is the ring maximum.
+    ring_maximum : RingMaximum, optional
+        Of these sites and this ring.
     workers : int
         Processes that share the work; the areas do not depend on it.
 
@@ -37,7 +37,7 @@ class ExactScorer:
     >>> import trimesh
     >>> from placement.sites import checked_sites
     >>> plate = checked_sites(trimesh.creation.box((10, 10, 1)))
-    >>> scorer = ExactScorer(plate, exact.Ring(), threshold=1, ring_cameras=8)
+    >>> scorer = ExactScorer(plate, exact.Ring(), 1, ring_maximum=RingMaximum(plate, exact.Ring(), 1, n_cameras=8))
     >>> bool(100.0 <= scorer.areas([0.0])[0] < 120.0), bool(0.5 < scorer.fraction([0.0]) < 1.0)
     (True, True)
     """
@@ -48,41 +48,23 @@ class ExactScorer:
         ring: exact.Ring,
         threshold: int = 2,
         min_baseline: float = 0.0,
-        ring_cameras: int = 360,
+        ring_maximum: "RingMaximum | None" = None,
         workers: int = 1,
     ):
         self.sites, self.ring, self.threshold, self.min_baseline = sites, ring, threshold, min_baseline
-        self._ring_cameras, self._workers = ring_cameras, workers
+        self._workers = workers
         self._areas: dict[bytes, tuple[float, ...]] = {}
-        self._ring_areas: tuple[float, ...] | None = None
-        self._begun: Future | None = None
+        self._ring_maximum = ring_maximum or RingMaximum(sites, ring, threshold, workers=workers)
 
     @property
     def n_evaluations(self) -> int:
         """Number of layouts evaluated so far."""
         return len(self._areas)
 
-    def begin_ring_maximum(self) -> None:
-        """Let other processes evaluate the ring maximum while this one goes on; with one worker nothing happens."""
-        if self._workers > 1 and self._ring_areas is None and self._begun is None:
-            thread = ThreadPoolExecutor(1)
-            self._begun = thread.submit(self._ring_maximum)
-            thread.shutdown(wait=False)
-
     @property
     def ring_areas(self) -> tuple[float, ...]:
         """(S,) exact area [mm²] of the ring maximum of each site."""
-        if self._ring_areas is None:
-            begun, self._begun = self._begun, None
-            self._ring_areas = self._ring_maximum() if begun is None else begun.result()
-        return self._ring_areas
-
-    def _ring_maximum(self) -> tuple[float, ...]:
-        cameras = self.ring.cameras(self.ring.equidistant(self._ring_cameras))
-        return tuple(
-            exact.evaluate(**self._request(site), cameras=cameras, workers=self._workers).area
-            for site in self.sites.members
-        )
+        return self._ring_maximum.areas
 
     def areas(self, angles) -> tuple[float, ...]:
         """Exact reconstructable area [mm²] of each site for a layout of (M,) ring angles [rad]."""
@@ -94,9 +76,9 @@ class ExactScorer:
         new = list({theta.tobytes(): theta for theta in turned if theta.tobytes() not in self._areas}.values())
         if new:
             cameras = [self.ring.cameras(theta) for theta in new]
+            requests = [_request(site, self.threshold, self.min_baseline) for site in self.sites.members]
             found = [
-                exact.areas(**self._request(site), layouts=cameras, workers=self._workers, report=report)
-                for site in self.sites.members
+                exact.areas(**request, layouts=cameras, workers=self._workers, report=report) for request in requests
             ]
             for theta, of_sites in zip(new, np.stack(found, axis=1).tolist(), strict=True):
                 self._areas[theta.tobytes()] = tuple(of_sites)
@@ -113,17 +95,69 @@ class ExactScorer:
     def moving(self, angles, camera: int) -> Callable[[float], float]:
         """`fraction` of a layout as a function of the ring angle [rad] of one of its cameras, the others held."""
         others = self.ring.cameras(np.delete(angles, camera)) if len(angles) > 1 else ()
-        layouts = [exact.OneMore(**self._request(site), others=others) for site in self.sites.members]
+        layouts = [
+            exact.OneMore(**_request(site, self.threshold, self.min_baseline), others=others)
+            for site in self.sites.members
+        ]
         return lambda angle: self.combined([one.area(self.ring.cameras([angle])[0]) for one in layouts])
 
-    def _request(self, site) -> dict:
-        return dict(
-            mesh=site.mesh,
-            threshold=self.threshold,
-            exclude=site.excluded,
-            min_baseline=self.min_baseline,
-            weights=site.face_weights,
+
+class RingMaximum:
+    """What all the ring sees: exact areas of many equidistant cameras, whatever the baseline asked of a layout.
+
+    Parameters
+    ----------
+    sites, ring, threshold, workers
+        As for `ExactScorer`.
+    n_cameras : int
+        Number of equidistant cameras.
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> from placement.sites import checked_sites
+    >>> plate = checked_sites(trimesh.creation.box((10, 10, 1)))
+    >>> bool(100.0 <= RingMaximum(plate, exact.Ring(), n_cameras=8).areas[0] < 140.0)
+    True
+    """
+
+    def __init__(self, sites: Sites, ring: exact.Ring, threshold: int = 2, n_cameras: int = 360, workers: int = 1):
+        self._sites, self._threshold, self._workers = sites, threshold, workers
+        self._cameras = ring.cameras(ring.equidistant(n_cameras))
+        self._areas: tuple[float, ...] | None = None
+        self._begun: Future | None = None
+
+    def begin(self) -> None:
+        """Let other processes evaluate it while this one goes on; with one worker nothing happens."""
+        if self._workers > 1 and self._areas is None and self._begun is None:
+            thread = ThreadPoolExecutor(1)
+            self._begun = thread.submit(self._evaluate)
+            thread.shutdown(wait=False)
+
+    @property
+    def areas(self) -> tuple[float, ...]:
+        """(S,) exact area of each site [mm²]."""
+        if self._areas is None:
+            begun, self._begun = self._begun, None
+            self._areas = self._evaluate() if begun is None else begun.result()
+        return self._areas
+
+    def _evaluate(self) -> tuple[float, ...]:
+        return tuple(
+            exact.evaluate(**_request(site, self._threshold), cameras=self._cameras, workers=self._workers).area
+            for site in self._sites.members
         )
+
+
+def _request(site: Site, threshold: int, min_baseline: float = 0.0) -> dict:
+    """Keyword arguments of the evaluator that do not depend on the cameras."""
+    return dict(
+        mesh=site.mesh,
+        threshold=threshold,
+        exclude=site.excluded,
+        min_baseline=min_baseline,
+        weights=site.face_weights,
+    )
 
 
 def available_cores() -> int:

@@ -7,6 +7,7 @@ import numpy as np
 import trimesh
 
 import exact
+from placement.constraints import LENGTH_TOLERANCE
 from placement.profiles import Visibility
 from placement.sampled_site import faces_towards, in_view
 from placement.sampling import checked_exclude, sample_surface
@@ -74,6 +75,7 @@ def triangulation(
     exclude: np.ndarray | None = None,
     n_samples: int = 20_000,
     seed: int = 0,
+    min_baseline: float = 0.0,
 ) -> Triangulation:
     """Measure the triangulation angles of a layout on samples of the surface.
 
@@ -93,6 +95,8 @@ def triangulation(
         Sample points where the ring may see the surface.
     seed : int
         Of the samples.
+    min_baseline : float
+        Only pairs of cameras at least this far apart triangulate [mm].
 
     Returns
     -------
@@ -116,14 +120,17 @@ def triangulation(
     if len(samples) == 0:
         return Triangulation(smallest, 0.0, 0.0, np.zeros(0), np.zeros(0))
     seen = Visibility(mesh).from_angles(samples, ring, theta)
+    far = separations >= min_baseline - LENGTH_TOLERANCE
     reconstructed = seen.sum(axis=0) >= threshold
+    if min_baseline > 0:
+        reconstructed &= (seen & (far.astype(np.float32) @ seen.astype(np.float32) > 0)).any(axis=0)
     if not reconstructed.any():
         return Triangulation(smallest, 0.0, 0.0, np.zeros(0), np.zeros(0))
     rays = ring.positions(theta)[:, None, :] - samples.points[reconstructed]
     rays /= np.linalg.norm(rays, axis=2, keepdims=True)
     best = np.zeros(int(reconstructed.sum()))
     for i in range(len(theta)):
-        for j in range(i):
+        for j in np.flatnonzero(far[i, :i]):
             both = seen[i, reconstructed] & seen[j, reconstructed]
             # 2 asin(half the difference) keeps its digits for small angles, acos of the product does not.
             angle = 2 * np.arcsin(np.minimum(np.linalg.norm(rays[i] - rays[j], axis=1) / 2, 1.0))

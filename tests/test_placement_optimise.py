@@ -11,7 +11,7 @@ from placement import Constraints, PlacementError, Settings
 from placement.arcs import LayoutSpace
 from placement.exchange import SampledCoverage
 from placement.sampled_site import sample_site
-from placement.scoring import ExactScorer, polish
+from placement.scoring import ExactScorer, RingMaximum, polish
 from placement.sites import checked_sites
 
 RING = exact.Ring()
@@ -134,8 +134,13 @@ def test_moving_one_camera_never_loses_sampled_area(bars):
         assert space.allows(once) and space.allows(twice)
 
 
+def scorer_of(bars, objective="mean", min_baseline=0.0):
+    sites = checked_sites(bars, objective=objective)
+    return ExactScorer(sites, RING, 2, min_baseline, RingMaximum(sites, RING, n_cameras=16))
+
+
 def test_polish_only_climbs(bars):
-    scorer = ExactScorer(checked_sites(bars), RING, ring_cameras=16)
+    scorer = scorer_of(bars)
     space = LayoutSpace(RING, 3, Constraints(fixed=(0.2,)))
     start = RING.equidistant(3, 0.2)
     end, n_moves = polish(scorer, space, start, steps=(0.1, 0.03), max_sweeps=2)
@@ -144,7 +149,7 @@ def test_polish_only_climbs(bars):
 
 
 def test_moving_one_camera_is_scored_as_the_whole_layout_is(bars):
-    scorer = ExactScorer(checked_sites([bars, bars], objective="worst"), RING, min_baseline=9.0, ring_cameras=16)
+    scorer = scorer_of([bars, bars], objective="worst", min_baseline=9.0)
     layout = np.array([0.3, 1.9, 4.0, 5.0])
     fraction = scorer.moving(layout, 2)
     for angle in (3.0, 3.3):
@@ -182,6 +187,16 @@ def test_triangulation_of_a_layout(bars):
     assert np.radians(4.0) < found.mean_best_angle < found.widest_angle <= widest
     reconstructed = exact.evaluate(bars, RING.cameras(RING.equidistant(4)), 2).area
     assert found.weights.sum() == pytest.approx(reconstructed, rel=0.02)
+
+
+def test_triangulation_by_pairs_far_enough_apart(bars):
+    layout, baseline = [0.0, 0.4, np.pi], 20.0
+    found = placement.triangulation(bars, RING, layout, n_samples=3000, min_baseline=baseline)
+    every = placement.triangulation(bars, RING, layout, n_samples=3000)
+    least = 2 * np.arcsin(baseline / 2 / 403)  # no farther than from a ring camera to anything here
+    assert found.best_angles.min() > least > every.best_angles.min() > 0
+    reconstructed = exact.evaluate(bars, RING.cameras(layout), 2, min_baseline=baseline).area
+    assert found.weights.sum() == pytest.approx(reconstructed, rel=0.06)
 
 
 def test_triangulation_where_there_is_none(bars):
