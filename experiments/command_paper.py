@@ -36,8 +36,8 @@ def run(quick: bool, report_only: bool, detail: str, scheduler: str | None, out:
     _report(out)
     if failures:
         note(
-            f"{len(failures)} tasks failed, the first of them: {failures[0]}. {out / RECORD} names all; the same command "
-            "with --force tries them again"
+            f"{len(failures)} tasks failed, the first of them: {failures[0]}. {out / RECORD} names all; "
+            "the same command with --force tries them again"
         )
         sys.exit(1)
 

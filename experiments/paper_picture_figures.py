@@ -11,6 +11,7 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from PIL import Image
+from scipy.spatial import KDTree
 
 from experiments.coverage_figure import add_polygons
 from experiments.files import written_whole
@@ -25,6 +26,7 @@ NEVER = "#fbf9f4"
 # Little shade, for gray is a colour of the paper: what is never seen must stay lighter than that.
 NEVER_SHADE = 0.35
 INK = "#202020"
+PLACES = (65536, 256, 1)  # of red, green and blue in the number of a colour
 PNG_COLOURS = 256  # eleven colours and their shades need no more, and it is less than half as large
 
 
@@ -80,14 +82,21 @@ def write_picture_figure(folder: Path, spec: PictureFigure, pictures: dict[Case,
 
 
 def _with_few_colours(path: Path) -> None:
-    """Save a PNG file again with a palette that has the legend's colours, however little of them there is."""
-    legend = [round(255 * part) for colour in COLOURS.values() for part in to_rgb(colour)]
+    """Save a PNG file again with a palette: its most frequent colours, and the legend's however rare they are.
+
+    Palettes made from averages, such as Pillow's, give up the slivers of blue and purple that the legend is for.
+    """
     with Image.open(path) as image:
-        full = image.convert("RGB")
-    usual = full.quantize(PNG_COLOURS - len(COLOURS)).getpalette() or []
-    palette = Image.new("P", (1, 1))
-    palette.putpalette(usual + legend)
-    full.quantize(palette=palette, dither=Image.Dither.NONE).save(path, optimize=True)
+        pixels = np.asarray(image.convert("RGB"), dtype=np.int64)
+    codes, where, counts = np.unique(pixels @ np.array(PLACES), return_inverse=True, return_counts=True)
+    present = codes[:, None] // np.array(PLACES) % 256
+    legend = np.array([np.round(255 * np.array(to_rgb(colour))) for colour in COLOURS.values()])
+    frequent = present[np.argsort(-counts, kind="stable")[: PNG_COLOURS - len(legend)]]
+    palette = np.concatenate([frequent, legend]).astype(np.uint8)
+    nearest = np.asarray(KDTree(palette.astype(float)).query(present)[1]).astype(np.uint8)
+    few = Image.fromarray(nearest[where].reshape(pixels.shape[:2]))
+    few.putpalette(palette.tobytes())
+    few.save(path, optimize=True)
 
 
 def _drawn(spec: PictureFigure, rows: Sequence[Sequence[Case]], pictures: dict[Case, Picture]) -> Figure:
