@@ -9,12 +9,14 @@ Two bounds, both on the samples and their ring profiles:
 """
 
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from placement.arcs import TURN, LayoutSpace
 from placement.constraints import GAP_MARGIN
+from placement.exchange import SampledCoverage
 from placement.grid_program import QUICK_MULTIPLICATIONS, GridProgram, GridSolution, multiplications, solve
 from placement.profiles import RingProfiles
 from placement.settings import Settings
@@ -27,6 +29,8 @@ CELL_TOLERANCE = 0.001
 STEP_TOLERANCE = 1e-6
 # Cells are halved at most this often: smaller ones only repeat the angles at which profiles were traced.
 MOST_HALVINGS = 2
+# Random layouts that are moved onto the grid, beside those that are known, to find a good one there.
+GRID_STARTS = 8
 # Interleaved parts of the samples whose scatter measures the sampling error.
 ERROR_PARTS = 8
 
@@ -117,16 +121,25 @@ class Certificate:
 
 
 def certify_samples(
-    profiles: RingProfiles, space: LayoutSpace, threshold: int, settings: Settings, of: str = "the ring maximum"
+    profiles: RingProfiles,
+    space: LayoutSpace,
+    threshold: int,
+    settings: Settings,
+    of: str = "the ring maximum",
+    layouts: Sequence[np.ndarray] = (),
 ) -> Certificate:
-    """Bound what any layout of `space` can reconstruct of samples whose weights are shares of the ring maximum."""
+    """Bound what any layout of `space` can reconstruct of samples whose weights are shares of the ring maximum.
+
+    Good `layouts` of (M,) ring angles [rad], moved onto the grid, spare the program the search for one.
+    """
     begun = time.perf_counter()
     end = begun + settings.certificate_seconds
     n_grid = max(4, round(TURN / settings.certificate_step))
 
     program = grid_of(profiles, space, threshold, n_grid)
     # Half of the time for the grid; the bound for any angle needs the rest.
-    grid = solve(program, settings.certificate_seconds / 2, PROOF_TOLERANCE)
+    known = _on_grid(profiles, space, threshold, n_grid, layouts)
+    grid = solve(program, settings.certificate_seconds / 2, PROOF_TOLERANCE, known)
     bound, n_cells = float(profiles.sums(np.asarray(profiles.visible.any(axis=0))).min()), n_grid
     found = None
     for halving in range(MOST_HALVINGS + 1):
@@ -139,12 +152,13 @@ def certify_samples(
             bound, n_cells = found.bound, n_grid * 2**halving
 
     angles = _angles(grid, space, n_grid)
+    grid_bound = min(grid.bound, bound)  # a layout on the grid is a layout
     return Certificate(
         bound_fraction=bound,
         gap=None,
-        proven=grid.finished and grid.bound - grid.value <= 1.01 * PROOF_TOLERANCE,
+        proven=grid_bound - grid.value <= 1.01 * PROOF_TOLERANCE,
         seconds=time.perf_counter() - begun,
-        grid_bound_fraction=grid.bound,
+        grid_bound_fraction=grid_bound,
         grid_fraction=None if angles is None else grid.value,
         grid_angles=angles,
         grid_gap=None,
@@ -170,6 +184,27 @@ def measure(certificate: Certificate, profiles: RingProfiles, layout, threshold:
         grid_gap=certificate.grid_bound_fraction - fraction,
         sampling_error=_sampling_error(profiles, layout, threshold),
     )
+
+
+def _on_grid(
+    profiles: RingProfiles, space: LayoutSpace, threshold: int, n_grid: int, layouts: Sequence[np.ndarray]
+) -> tuple[int, ...] | None:
+    """Places of the free cameras of a good layout on the grid; None if none is found that is allowed."""
+    if space.n_free == 0:
+        return None
+    coverage, step, rng = SampledCoverage(profiles, threshold, n_grid=n_grid), TURN / n_grid, np.random.default_rng(0)
+    best, places = -1.0, None
+    for layout in (*layouts, *(space.random(rng) for _ in range(GRID_STARTS))):
+        free = space.free_cameras(layout)
+        snapped = np.array(layout, dtype=np.float64)
+        snapped[free] = step * np.round(snapped[free] / step)
+        if not space.allows(snapped):
+            continue
+        snapped = coverage.improve(space, snapped)
+        if coverage.fraction(snapped) > best:
+            index = np.round(snapped[space.free_cameras(snapped)] / step).astype(int) % n_grid
+            best, places = coverage.fraction(snapped), tuple(np.sort(index).tolist())
+    return places
 
 
 def grid_of(profiles: RingProfiles, space: LayoutSpace, threshold: int, n_grid: int) -> GridProgram:

@@ -116,7 +116,7 @@ class GridSolution:
     finished: bool
 
 
-def solve(program: GridProgram, seconds: float, gap: float) -> GridSolution:
+def solve(program: GridProgram, seconds: float, gap: float, known: tuple[int, ...] | None = None) -> GridSolution:
     """Best choice and upper bound, by enumeration where that is quick enough.
 
     Parameters
@@ -127,6 +127,9 @@ def solve(program: GridProgram, seconds: float, gap: float) -> GridSolution:
         Time limit [s]; when it runs out the bound still holds.
     gap : float
         The mixed-integer program stops when bound and value differ by less than this fraction.
+    known : tuple of int, optional
+        A choice that is allowed, and taken if the program finds no better one in time. HiGHS takes no first solution
+        from SciPy, and to demand no less than what is known made its bounds worse.
 
     Examples
     --------
@@ -142,10 +145,10 @@ def solve(program: GridProgram, seconds: float, gap: float) -> GridSolution:
     cost = multiplications(small)
     if cost > QUICK_MULTIPLICATIONS:
         # Counted in nodes, not in seconds, so that the same request takes the same way.
-        found = mixed_integer(small, seconds, gap, FIRST_NODES if cost <= MOST_MULTIPLICATIONS else None)
+        found = mixed_integer(small, seconds, gap, FIRST_NODES if cost <= MOST_MULTIPLICATIONS else None, known)
         if found.finished or cost > MOST_MULTIPLICATIONS:
             return found
-    return enumerate_all(small, end) or mixed_integer(small, max(end - time.perf_counter(), 1.0), gap)
+    return enumerate_all(small, end) or mixed_integer(small, max(end - time.perf_counter(), 1.0), gap, known=known)
 
 
 def multiplications(program: GridProgram) -> float:
@@ -202,7 +205,9 @@ def enumerate_all(program: GridProgram, end: float = np.inf) -> GridSolution | N
     return GridSolution(choice, value, value + SINGLE_PRECISION * total, "enumeration", True)
 
 
-def mixed_integer(program: GridProgram, seconds: float, gap: float, nodes: int | None = None) -> GridSolution:
+def mixed_integer(
+    program: GridProgram, seconds: float, gap: float, nodes: int | None = None, known: tuple[int, ...] | None = None
+) -> GridSolution:
     """Solve by HiGHS within `seconds` [s] and `nodes` to a relative `gap`; the bound holds in any case."""
     n_places, n_points = program.seen.shape
     n_free, n_sites, total = program.n_free, program.n_sites, float(program.weights.sum()) or 1.0
@@ -253,12 +258,16 @@ def mixed_integer(program: GridProgram, seconds: float, gap: float, nodes: int |
         bound = most_covered
     else:
         bound = min(most_covered, -bound * total + SINGLE_PRECISION * total)
-    if found.x is None:
-        infeasible = found.status == 2
-        return GridSolution(None, 0.0, 0.0 if infeasible else bound, "mixed-integer program", infeasible)
-    chosen = np.diff(np.round(found.x[:n_places]), prepend=0).astype(int)
-    places = tuple(np.repeat(np.arange(n_places), chosen).tolist())
-    return GridSolution(places, program.value(places), bound, "mixed-integer program", found.status == 0)
+    infeasible = found.status == 2
+    if found.x is not None:
+        chosen = np.diff(np.round(found.x[:n_places]), prepend=0).astype(int)
+        places = tuple(np.repeat(np.arange(n_places), chosen).tolist())
+        if known is None or program.value(places) > program.value(known):
+            return GridSolution(places, program.value(places), bound, "mixed-integer program", found.status == 0)
+    if known is not None and not infeasible:
+        value = program.value(known)
+        return GridSolution(known, value, max(bound, value), "mixed-integer program", found.status == 0)
+    return GridSolution(None, 0.0, 0.0 if infeasible else bound, "mixed-integer program", infeasible)
 
 
 def _halves(program: GridProgram, size: int) -> np.ndarray:

@@ -153,7 +153,9 @@ def place(
     certificate = None
     if certify:
         report("bounding any layout", 0, 1)
-        certificate = certify_samples(profiles, space, threshold, settings, problem.sites.of)
+        certificate = certify_samples(
+            profiles, space, threshold, settings, problem.sites.of, pool[: settings.exact_candidates]
+        )
         if certificate.grid_angles is not None and space.allows(certificate.grid_angles):
             layouts.append(("certificate", np.array(certificate.grid_angles)))
         clock.lap("certificate")

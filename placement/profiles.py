@@ -127,6 +127,8 @@ class Visibility:
         cameras = ring.cameras(angles)
         n_points = len(samples)
         seen = np.zeros((len(cameras), n_points), dtype=bool)
+        if n_points == 0:
+            return seen
         step = max(1, RAYS_PER_BATCH // n_points)
         for first in range(0, len(cameras), step):
             batch = cameras[first : first + step]

@@ -100,7 +100,11 @@ def sample_site(
     profiles = ring_profiles(visibility, samples, ring, settings.n_angles, settings.bisections)
     if not profiles.visible.any():
         raise PlacementError(_blind(f"all {len(samples)} sample points are hidden or outside the field of view", ring))
-    seen_from = profiles.at(ring.equidistant(max(settings.ring_cameras, threshold))).sum(axis=0)
+    everywhere = ring.equidistant(max(settings.ring_cameras, threshold))
+    seen_from = profiles.at(everywhere).sum(axis=0)
+    # Profiles miss arcs narrower than their step, which many cameras do not: there the points themselves are asked.
+    few = np.flatnonzero(seen_from < threshold)
+    seen_from[few] = visibility.from_angles(samples.subset(few), ring, everywhere).sum(axis=0)
     if seen_from.max(initial=0) < threshold:
         raise PlacementError(f"no point is seen by {threshold} cameras anywhere on the ring; lower the threshold")
     ring_area = float(samples.weights[seen_from >= threshold].sum())

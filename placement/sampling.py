@@ -42,6 +42,10 @@ class SurfaceSamples:
     def __len__(self) -> int:
         return len(self.weights)
 
+    def subset(self, chosen: np.ndarray) -> "SurfaceSamples":
+        """The chosen ones, by mask or index."""
+        return SurfaceSamples(self.points[chosen], self.normals[chosen], self.weights[chosen], self.faces[chosen])
+
     @property
     def area(self) -> float:
         """Area the samples stand for [mm²]."""

@@ -87,6 +87,19 @@ def test_enumeration_stops_at_its_time_and_the_bound_of_the_program_still_holds(
     assert hurried.bound >= enumerate_all(program.merged()).value - 1e-9
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_a_known_choice_changes_neither_optimum_nor_bound(seed):
+    program = grid_of(made_up_site(seed), LayoutSpace(RING, 4, Constraints()), 2, 24).merged()
+    best = enumerate_all(program)
+    for known in (best.places, (0, 5, 9, 17)):
+        found = mixed_integer(program, 20.0, 1e-7, known=known)
+        assert found.value == pytest.approx(best.value, rel=1e-6) and found.finished
+        assert best.value - 1e-9 <= found.bound <= best.value + 1e-3
+    hurried = mixed_integer(program, seconds=1e-3, gap=1e-7, known=best.places)
+    assert hurried.places is not None and hurried.value >= best.value - 1e-9
+    assert hurried.bound >= best.value - 1e-9
+
+
 REQUESTS = [
     (2, 2, Constraints()),
     (3, 2, Constraints(min_separation=0.0)),
