@@ -20,12 +20,19 @@ import numpy as np
 
 from exact.errors import ExactError
 
+# Lengths and coordinates of rings [mm]. Beyond, squares overflow or vanish, and a ring far off falls onto its focus.
+SHORTEST, LONGEST = 1e-9, 1e9
+# A larger ring angle [rad] is damage: its rounding alone would move a camera.
+LARGEST_ANGLE = 1e6
+# On one ring. Wachter 2021 takes 360 for all there is to see; tables of pairs of cameras grow with the square.
+MOST_CAMERAS = 10_000
+
 
 def _finite_vector(name: str, value, length: int) -> np.ndarray:
     """`value` as a read-only float64 vector of `length` finite numbers."""
     try:
         vector = np.array(value, dtype=np.float64)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise ExactError(f"{name} is {value!r}; it must be {length} numbers") from error
     if vector.shape != (length,) or not np.isfinite(vector).all():
         raise ExactError(f"{name} is {value!r}; it must be {length} finite numbers")
@@ -39,8 +46,20 @@ def _positive(name: str, value, unit: str) -> float:
         number = float(value)
     except (TypeError, ValueError) as error:
         raise ExactError(f"{name} is {value!r}; it must be a number [{unit}]") from error
+    except OverflowError:  # a whole number of hundreds of digits
+        number = np.inf
+    if isinstance(value, bool | np.bool):
+        raise ExactError(f"{name} is {value}; it must be a number [{unit}]")
     if not (np.isfinite(number) and number > 0):
-        raise ExactError(f"{name} is {value}; it must be positive and finite [{unit}]")
+        raise ExactError(f"{name} is {number:g}; it must be positive and finite [{unit}]")
+    return number
+
+
+def _length(name: str, value) -> float:
+    """`value` as a length [mm] that can be reckoned with."""
+    number = _positive(name, value, "mm")
+    if not SHORTEST <= number <= LONGEST:
+        raise ExactError(f"{name} is {number:g} mm; it must be at least {SHORTEST:g} and at most {LONGEST:g} [mm]")
     return number
 
 
@@ -221,7 +240,7 @@ class Ring:
     Raises
     ------
     ExactError
-        If a length is not positive or a vector is not finite.
+        If a length is not positive, one is shorter than 1e-9 or longer than 1e9 mm, or a vector is not finite.
 
     Examples
     --------
@@ -244,15 +263,20 @@ class Ring:
         def put(name, value):
             object.__setattr__(self, name, value)
 
-        put("diameter", _positive("ring diameter", self.diameter, "mm"))
-        put("working_distance", _positive("working distance", self.working_distance, "mm"))
+        put("diameter", _length("ring diameter", self.diameter))
+        put("working_distance", _length("working distance", self.working_distance))
         width, height = _finite_vector("fov", self.fov, 2)
-        put("fov", (_positive("fov width", width, "mm"), _positive("fov height", height, "mm")))
-        put("focus", tuple(_finite_vector("focus", self.focus, 3).tolist()))
+        put("fov", (_length("fov width", width), _length("fov height", height)))
+        focus = _finite_vector("focus", self.focus, 3)
+        if np.abs(focus).max() > LONGEST:
+            raise ExactError(f"focus is {tuple(focus.tolist())}; each coordinate must be at most {LONGEST:g} [mm]")
+        put("focus", tuple(focus.tolist()))
         axis = _finite_vector("ring axis", self.axis, 3)
         if not axis.any():
             raise ExactError("ring axis is the zero vector; give the direction from the focus to the ring")
         put("axis", tuple(axis.tolist()))
+        if not SHORTEST <= np.linalg.norm(axis) <= LONGEST:
+            axis = axis / np.abs(axis).max()  # its square may have overflowed or vanished
         put("_frame", _rotation_from_z(axis / np.linalg.norm(axis)))
 
     def equidistant(self, n_cameras: int, phase: float = 0.0) -> np.ndarray:
@@ -270,6 +294,8 @@ class Ring:
         """
         if int(n_cameras) != n_cameras or n_cameras < 1:
             raise ExactError(f"number of cameras is {n_cameras}; it must be a whole number, at least 1")
+        if n_cameras > MOST_CAMERAS:
+            raise ExactError(f"number of cameras is {n_cameras}; it must be at most {MOST_CAMERAS}")
         return phase + 2 * np.pi * np.arange(1, int(n_cameras) + 1) / int(n_cameras)
 
     def positions(self, angles) -> np.ndarray:
@@ -317,6 +343,13 @@ def _checked_angles(angles) -> np.ndarray:
         raise ExactError(f"ring angles have shape {theta.shape}; they must be one row of at least one angle [rad]")
     if not np.isfinite(theta).all():
         raise ExactError(f"ring angles {theta.tolist()} are not all finite [rad]")
+    if len(theta) > MOST_CAMERAS:
+        raise ExactError(f"there are {len(theta)} ring angles; a ring holds at most {MOST_CAMERAS} cameras")
+    worst = int(np.argmax(np.abs(theta)))
+    if abs(theta[worst]) > LARGEST_ANGLE:
+        raise ExactError(
+            f"ring angle {worst + 1} is {theta[worst]:g} rad; angles must be at most {LARGEST_ANGLE:g} rad to and fro"
+        )
     return theta
 
 

@@ -135,7 +135,7 @@ def evaluate(
     weights = checked_weights(weights, len(surface.faces))
     demand = Demand(threshold, far_apart(cameras, min_baseline))
     seen = tally(surface, cameras, demand, counted, workers, report, depth_order)
-    return _reconstruction(mesh, surface, seen, demand, counted, weights, float(min_baseline))
+    return _reconstruction(mesh, cameras, surface, seen, demand, counted, weights, float(min_baseline))
 
 
 def areas(
@@ -206,12 +206,13 @@ def areas(
 def _area(surface: Surface, cameras: Sequence[Camera], demand: Demand, counted: np.ndarray, weights) -> float:
     seen = tally(surface, cameras, demand, counted, workers=1)
     nothing = trimesh.Trimesh()  # only the number goes back
-    return _reconstruction(nothing, surface, seen, demand, counted, weights).area
+    return _reconstruction(nothing, cameras, surface, seen, demand, counted, weights).area
 
 
 def _reconstruction(
-    mesh: trimesh.Trimesh, surface: Surface, seen: Tally, demand: Demand, counted, weights, min_baseline=0.0
-) -> Reconstruction:
+    mesh: trimesh.Trimesh, cameras: Sequence[Camera], surface: Surface, seen: Tally, demand: Demand, counted, weights,
+    min_baseline=0.0,
+) -> Reconstruction:  # fmt: skip
     """What a tally of views means."""
     whole = counted & ~seen.is_cut & (surface.areas > 0)
     whole_count, piece_count = seen.whole_seen.sum(axis=1), seen.pieces.seen.sum(axis=1)
@@ -227,5 +228,5 @@ def _reconstruction(
     ]
     return Reconstruction(
         demand.threshold, min_baseline, face_areas(whole_met, piece_met), np.stack(levels), weights,
-        seen.n_repairs, mesh, surface, seen, counted, whole_met, piece_met,
+        seen.n_repairs, mesh, tuple(cameras), surface, seen, counted, whole_met, piece_met,
     )  # fmt: skip

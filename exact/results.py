@@ -1,6 +1,7 @@
 """What came out: the view of one camera, and the reconstructable part of a surface."""
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 import shapely
@@ -10,6 +11,9 @@ from exact.cameras import Camera
 from exact.clipping import whole_faces
 from exact.coverage import Tally
 from exact.surface import Surface
+
+if TYPE_CHECKING:  # drawing alone needs matplotlib
+    from matplotlib.axes import Axes
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +55,7 @@ class View:
 
     def to_mesh(self) -> trimesh.Trimesh:
         """Visible part of the surface, with the face each triangle comes from as `face_attributes["parent"]`."""
-        return _triangulated(self._mesh, *self._parts)
+        return triangulated(self._mesh, *self._parts)[0]
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,6 +84,7 @@ class Reconstruction:
     weights: np.ndarray | None
     repairs: int
     _mesh: trimesh.Trimesh = field(repr=False)
+    _cameras: tuple[Camera, ...] = field(repr=False)
     _surface: Surface = field(repr=False)
     _tally: Tally = field(repr=False)
     _counted: np.ndarray = field(repr=False)
@@ -95,6 +100,17 @@ class Reconstruction:
     def level_areas(self) -> np.ndarray:
         """(threshold,) area seen by at least 1, 2, .. `threshold` cameras [mm²], weighted like `area`."""
         return self.level_face_areas.sum(axis=1) if self.weights is None else self.level_face_areas @ self.weights
+
+    def plot(self, ax: "Axes | None" = None) -> "Axes":
+        """Draw it from the cameras' side, coloured by the number of views; into `ax`, or axes of its own."""
+        from exact import show
+
+        return show.plot(self, ax)
+
+    def _repr_html_(self) -> str:
+        from exact import show
+
+        return show.html(self)
 
     def to_mesh(self, level: int | None = None) -> trimesh.Trimesh:
         """Reconstructable part of the surface as a mesh; `face_attributes["parent"]` is the face of each triangle.
@@ -117,15 +133,22 @@ class Reconstruction:
             whole = np.minimum(tally.whole_seen.sum(axis=1), self.threshold) == level
             whole &= self._counted & ~tally.is_cut & (surface.areas > 0)
             pieces = np.minimum(tally.pieces.seen.sum(axis=1), self.threshold) == level
-        return _triangulated(self._mesh, np.flatnonzero(whole), tally.pieces.face[pieces], tally.pieces.polygon[pieces])
+        shown = tally.pieces.take(pieces)
+        return triangulated(self._mesh, np.flatnonzero(whole), shown.face, shown.polygon)[0]
 
 
-def _triangulated(mesh, whole: np.ndarray, piece_face: np.ndarray, piece: np.ndarray) -> trimesh.Trimesh:
-    """The faces `whole` and the pieces, given in the coordinates of their faces, as one mesh."""
+def triangulated(
+    mesh: trimesh.Trimesh, whole: np.ndarray, piece_face: np.ndarray, piece: np.ndarray
+) -> tuple[trimesh.Trimesh, np.ndarray]:
+    """The faces `whole` and the pieces, given in the coordinates of their faces, as one mesh.
+
+    Also, for each of the triangles that follow the whole faces, which piece it is from.
+    """
     polygons, owner = shapely.get_parts(piece, return_index=True)
     collections = shapely.constrained_delaunay_triangles(polygons) if len(polygons) else polygons
     triangles, polygon = shapely.get_parts(collections, return_index=True)
-    parent = piece_face[owner][polygon]
+    piece_of = owner[polygon]
+    parent = piece_face[piece_of]
     inner = shapely.get_coordinates(triangles).reshape(-1, 4, 2)[:, :3]
     turned = np.cross(_as_3d(inner[:, 1] - inner[:, 0]), _as_3d(inner[:, 2] - inner[:, 0]))[:, 2] < 0
     inner[turned] = inner[turned, ::-1]
@@ -137,7 +160,7 @@ def _triangulated(mesh, whole: np.ndarray, piece_face: np.ndarray, piece: np.nda
     faces = np.concatenate([faces.reshape(-1, 3), len(used) + np.arange(3 * len(points)).reshape(-1, 3)])
     result = trimesh.Trimesh(vertices, faces, process=False)
     result.face_attributes["parent"] = np.concatenate([whole, parent])
-    return result
+    return result, piece_of
 
 
 def _in_space(mesh, face: np.ndarray, polygon: np.ndarray) -> np.ndarray:

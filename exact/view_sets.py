@@ -5,15 +5,16 @@ cameras do the work.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import shapely
 import trimesh
 
 from exact.cameras import Camera
-from exact.coverage import Demand, tally
+from exact.coverage import Demand, Pieces, tally
 from exact.requests import checked_cameras, checked_mask, checked_weights, checked_workers
+from exact.results import triangulated
 from exact.surface import prepare
 
 
@@ -34,6 +35,10 @@ class ViewSets:
     seen: np.ndarray
     areas: np.ndarray
     repairs: int
+    _mesh: trimesh.Trimesh = field(repr=False)
+    _whole: np.ndarray = field(repr=False)
+    _pieces: Pieces = field(repr=False)
+    _set: np.ndarray = field(repr=False)
 
     def area(self, threshold: int = 2, cameras: np.ndarray | None = None, far: np.ndarray | None = None) -> float:
         """Area [mm²] that at least `threshold` of the chosen cameras see.
@@ -46,8 +51,26 @@ class ViewSets:
         far : (M, M) bool, optional
             Pairs of cameras of which at least one must see a point.
         """
+        return float(self.areas[self.met(threshold, cameras, far)].sum())
+
+    def met(self, threshold: int = 2, cameras: np.ndarray | None = None, far: np.ndarray | None = None) -> np.ndarray:
+        """(S,) bool: the sets in which at least `threshold` of the chosen cameras are, arguments as for `area`."""
         seen = self.seen if cameras is None else self.seen & np.asarray(cameras, dtype=bool)
-        return float(self.areas[Demand(threshold, far).met(seen)].sum())
+        return Demand(threshold, far).met(seen)
+
+    def to_mesh(self) -> trimesh.Trimesh:
+        """The counted surface, cut where the set of cameras changes.
+
+        Returns
+        -------
+        trimesh.Trimesh
+            With the face each triangle comes from as `face_attributes["parent"]`, and its row of `seen` as
+            `face_attributes["set"]`, -1 where no camera sees it.
+        """
+        mesh, piece = triangulated(self._mesh, self._whole, self._pieces.face, self._pieces.polygon)
+        n_whole = len(self._whole)
+        mesh.face_attributes["set"] = np.concatenate([self._set[:n_whole], self._set[n_whole:][piece]])
+        return mesh
 
 
 def view_sets(
@@ -97,4 +120,5 @@ def view_sets(
     sets, group = np.unique(seen, axis=0, return_inverse=True)
     areas = np.bincount(group.reshape(-1), weights=area, minlength=len(sets))
     some = sets.any(axis=1)
-    return ViewSets(sets[some], areas[some], found.n_repairs)
+    number = np.where(some, np.cumsum(some) - 1, -1)
+    return ViewSets(sets[some], areas[some], found.n_repairs, mesh, whole, found.pieces, number[group.reshape(-1)])

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
 import exact
-from experiments.coverage_figure import add_polygons
+from exact.show import add_polygons
 from experiments.files import image_names, written_whole
 
 WHOLE_COLOUR, CLIPPED_COLOUR, EDGE_COLOUR = (0.72, 0.78, 0.84), (0.85, 0.10, 0.10), "0.25"

@@ -10,7 +10,7 @@ import numpy as np
 import trimesh
 
 import exact
-from experiments.coverage_figure import colours
+from exact.show import colours
 from experiments.exports import gltf
 from experiments.files import written_whole
 

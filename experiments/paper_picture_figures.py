@@ -13,7 +13,7 @@ from matplotlib.patches import Patch
 from PIL import Image
 from scipy.spatial import KDTree
 
-from experiments.coverage_figure import add_polygons
+from exact.show import add_polygons
 from experiments.files import written_whole
 from experiments.paper_cases import CIRCULAR, Case
 from experiments.paper_pictures import Picture

@@ -16,7 +16,7 @@ from PIL import Image
 
 import exact
 import meshes
-from experiments.coverage_figure import add_polygons
+from exact.show import add_polygons
 from experiments.files import written_whole
 from experiments.progress import progress_bar
 from meshes.anatomy import air, arteries

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, field
 from importlib.metadata import version
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -10,6 +11,9 @@ from placement.certificate import Certificate
 from placement.constraints import Constraints
 from placement.settings import Settings
 from placement.sites import Objective
+
+if TYPE_CHECKING:  # drawing alone needs matplotlib
+    from matplotlib.axes import Axes
 
 LIBRARIES = ("camring", "numpy", "scipy", "shapely", "trimesh", "embreex", "jax", "jaxlib", "equinox", "optimistix")
 
@@ -198,6 +202,17 @@ class Placement:
         """Least chord between two cameras [mm]; infinite for one camera."""
         separations = self.ring.separations(self.angles)
         return float(np.min(separations[~np.eye(len(separations), dtype=bool)], initial=np.inf))
+
+    def plot(self, ax: "Axes | None" = None) -> "Axes":
+        """Draw the ring from above, with this layout and the equidistant one; into `ax`, or axes of its own."""
+        from placement import show
+
+        return show.plot(self, ax)
+
+    def _repr_html_(self) -> str:
+        from placement import show
+
+        return show.html(self)
 
 
 def library_versions() -> dict[str, str]:

@@ -51,6 +51,11 @@ def test_view_sets_give_every_threshold_every_failure_and_every_pair(name, seed)
         some = [cameras[i] for i in kept]
         alone = exact.evaluate(mesh, some, 2, exclude, weights=weights).area
         assert close(sets.area(2, np.isin(np.arange(4), kept)), alone, mesh)
+    parts = sets.to_mesh()
+    factor = weights[parts.face_attributes["parent"]]
+    drawn = np.bincount(parts.face_attributes["set"] + 1, parts.area_faces * factor, len(sets.seen) + 1)
+    assert close(drawn[1:], sets.areas, mesh)
+    assert close(parts.area, mesh.area_faces[~exclude].sum(), mesh)
     far = np.array([[np.linalg.norm(a.position - b.position) for a in cameras] for b in cameras])
     apart = np.median(far[far > 0])
     with_baseline = exact.evaluate(mesh, cameras, 2, exclude, apart, weights=weights).area

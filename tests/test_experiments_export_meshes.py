@@ -11,8 +11,8 @@ from plyfile import PlyData
 
 import exact
 import meshes
+from exact.show import UNCOUNTED_COLOUR, UNSEEN_COLOUR, colours
 from experiments.cli import main
-from experiments.coverage_figure import UNCOUNTED_COLOUR, UNSEEN_COLOUR, colours
 
 SINGLE = 1e-5  # relative: these files hold single precision
 
