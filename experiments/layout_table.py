@@ -40,6 +40,8 @@ class Row:
         Best triangulation angles that `SHARES` of the reconstructable area do not exceed [rad].
     robustness : placement.Robustness or None
         What is left under faults, if that was worked out.
+    breaks : tuple of str
+        Which constraints of the request it does not meet, in words: it is there to compare with only.
     """
 
     name: str
@@ -52,6 +54,7 @@ class Row:
     mean_angle: float
     angle_quantiles: tuple[float, ...]
     robustness: "placement.Robustness | None" = None
+    breaks: tuple[str, ...] = ()
 
 
 def row(
@@ -62,11 +65,12 @@ def row(
     gain: float | None,
     spread: "placement.Triangulation",
     robustness: "placement.Robustness | None" = None,
+    breaks: Sequence[str] = (),
 ) -> Row:
     """The row of a layout with this exact area [mm²] and fraction of the ring maximum."""
     return Row(
         name, np.asarray(angles), area, fraction, gain, spread.smallest_separation, spread.widest_angle,
-        spread.mean_best_angle, spread.best_angle_quantiles(SHARES), robustness,
+        spread.mean_best_angle, spread.best_angle_quantiles(SHARES), robustness, tuple(breaks),
     )  # fmt: skip
 
 
@@ -78,7 +82,7 @@ def layout_table(rows: Sequence[Row], compared_with: str) -> Table:
     )  # fmt: skip
     for row in rows:
         shown.add_row(
-            row.name,
+            f"{row.name} (not allowed)" if row.breaks else row.name,
             f"{row.area:.2f}",
             f"{100 * row.fraction:.2f} %",
             "" if row.gain is None else f"{100 * row.gain:+.2f} %",
@@ -110,6 +114,7 @@ def figures(row: Row) -> dict[str, Any]:
         "mean_triangulation_angle_deg": float(np.degrees(row.mean_angle)),
         **quantiles,
         **faults,
+        "breaks_constraints": "; ".join(row.breaks),
         "ring_angles_deg": np.degrees(row.angles).tolist(),
     }
 
