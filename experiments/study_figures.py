@@ -109,17 +109,15 @@ def _constraints(layouts: Sequence[LayoutRow]) -> Figure:
     of = [row for row in layouts if row.part == "constraints" and row.fraction is not None]
     counts = sorted({row.n_cameras for row in of})
     free = [row for row in layouts if row.part == "layouts" and row.n_cameras in counts and row.fraction is not None]
-    figure = Figure(figsize=(4.3 * len(counts) + 1.5, 7.2), dpi=130, layout="constrained")
-    axes = figure.subplots(2, len(counts), sharey=True, squeeze=False)
-    for column, n in enumerate(counts):
-        here = [row for row in of + free if row.n_cameras == n]
-        _price(axes[0, column], [row for row in here if row.min_angle_deg == 0], "min_separation_mm")
-        _price(axes[1, column], [row for row in here if row.min_separation_mm == 5], "min_angle_deg")
-        axes[0, column].set_title(f"{n} cameras")
-        axes[0, column].set_xlabel("least separation [mm]")
-        axes[1, column].set_xlabel("least triangulation angle [°], separation 5 mm")
-    for ax in axes[:, 0]:
-        ax.set_ylabel("optimised, of the ring maximum [%]")
+    figure = Figure(figsize=(11.0, 4.3 * len(counts)), dpi=130, layout="constrained")
+    axes = figure.subplots(len(counts), 2, sharey="row", squeeze=False)
+    for row, n in enumerate(counts):
+        here = [one for one in of + free if one.n_cameras == n]
+        _price(axes[row, 0], [one for one in here if one.min_angle_deg == 0], "min_separation_mm")
+        _price(axes[row, 1], [one for one in here if one.min_separation_mm == 5], "min_angle_deg")
+        axes[row, 0].set_ylabel(f"{n} optimised cameras,\npercent of the ring maximum")
+        axes[row, 0].set_xlabel("least separation [mm]")
+        axes[row, 1].set_xlabel("least triangulation angle [°], separation 5 mm")
     handles, labels = axes[0, 0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside right center", frameon=False, fontsize=9)
     return figure

@@ -21,15 +21,22 @@ CAPTIONS = {
 def write_report(folder: Path, layouts: Sequence[LayoutRow], even: Sequence[EquidistantRow]) -> str:
     """Write study.md and the figures; give the headline."""
     found = savings(layouts, even)
-    words = headline(found)
     figures = write_figures(folder, layouts, even, found)
+    with written_whole(folder / "study.md") as temporary:
+        temporary.write_text(page(layouts, even, figures), encoding="utf-8")
+    return "\n".join(headline(found))
+
+
+def page(layouts: Sequence[LayoutRow], even: Sequence[EquidistantRow], figures: Sequence[str], images: str = "") -> str:
+    """The page in Markdown, with figures of these names in the folder `images`."""
+    found = savings(layouts, even)
     parts = [
         "# Optimised against equidistant rings",
         "Reference sites without their top surface, field of view 36 × 24 mm, ring 30 mm at 400 mm, two views, cameras "
         "at least 5 mm apart unless said. All fractions are exact areas over the ring maximum, that of 360 equidistant "
         "cameras. `camring study` makes this page.",
-        "\n".join(f"- {sentence}" for sentence in words),
-        *(f"![{CAPTIONS[name]}]({name})\n\n{CAPTIONS[name]}" for name in figures),
+        "\n".join(f"- {sentence}" for sentence in headline(found)),
+        *(f"![{CAPTIONS[name]}]({images}{name})\n\n{CAPTIONS[name]}" for name in figures),
         "## Fewest cameras: optimised / equidistant",
         _savings_table(found),
         "## Every number of cameras",
@@ -41,9 +48,7 @@ def write_report(folder: Path, layouts: Sequence[LayoutRow], even: Sequence[Equi
         *_all_sites(layouts),
         *_failures(layouts, even),
     ]
-    with written_whole(folder / "study.md") as temporary:
-        temporary.write_text("\n\n".join(parts) + "\n", encoding="utf-8")
-    return "\n".join(words)
+    return "\n\n".join(parts) + "\n"
 
 
 def _savings_table(found: Sequence[Saving]) -> str:

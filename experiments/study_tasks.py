@@ -61,7 +61,7 @@ class Plan:
         sites = tuple(dict.fromkeys((case.site, case.depth) for case in cases(quick)))
         if quick:
             return Plan(sites, (2, 3), (3,), tuple(range(2, 9)), detail)
-        return Plan(sites, tuple(range(2, 13)), (4, 6), tuple(range(2, MOST_EQUIDISTANT + 1)), detail)
+        return Plan(sites, tuple(range(2, 13)), (4,), tuple(range(2, MOST_EQUIDISTANT + 1)), detail)
 
 
 @lru_cache(maxsize=1)

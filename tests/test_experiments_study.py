@@ -8,11 +8,13 @@ import matplotlib.image
 import pytest
 
 import meshes
+from experiments.study_report import CAPTIONS, page
 from experiments.study_rows import EquidistantRow, LayoutRow, read_rows, write_rows
 from experiments.study_savings import headline, savings
 from experiments.study_tasks import Plan, equidistant, placed, study_tasks
 
-RESULTS = Path(__file__).parent.parent / "experiments" / "results" / "study"
+ROOT = Path(__file__).parent.parent
+RESULTS = ROOT / "experiments" / "results" / "study"
 SITES = (("circ_flat", 50), ("elliptical", 100))
 
 
@@ -103,6 +105,9 @@ def test_the_plan_covers_ten_sites_and_two_to_twelve_cameras():
 def test_committed_study_is_whole_and_comes_out_again():
     layouts = read_rows(RESULTS / "layouts.csv", LayoutRow)
     even = read_rows(RESULTS / "equidistant.csv", EquidistantRow)
+    docs = ROOT / "docs"
+    assert all((docs / "images" / name).exists() for name in CAPTIONS)
+    assert (docs / "study.md").read_text(encoding="utf-8") == page(layouts, even, list(CAPTIONS), "images/")
     named = study_tasks(Plan.of(False, "coarse"))
     assert len(layouts) == sum(about["part"] != "equidistant" for about, _ in named)
     assert not [row.failure for row in (*layouts, *even) if row.failure]
