@@ -1,8 +1,16 @@
 """What tests of the command line share."""
 
+import os
+from pathlib import Path
+
 import pytest
 
 from experiments.cli import main
+from experiments.compiled import keep_compiled
+
+# Compiling takes most of the time of many tests: the processes of a run share what they compile.
+os.environ.setdefault("JAX_COMPILATION_CACHE_DIR", str(Path(__file__).parent.parent / ".pytest_cache" / "jax"))
+keep_compiled()
 
 
 @pytest.fixture
