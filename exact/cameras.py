@@ -51,7 +51,8 @@ def _positive(name: str, value, unit: str) -> float:
     if isinstance(value, bool | np.bool):
         raise ExactError(f"{name} is {value}; it must be a number [{unit}]")
     if not (np.isfinite(number) and number > 0):
-        raise ExactError(f"{name} is {number:g}; it must be positive and finite [{unit}]")
+        shown = number if np.isinf(number) else value
+        raise ExactError(f"{name} is {shown}; it must be positive and finite [{unit}]")
     return number
 
 

@@ -10,6 +10,7 @@ from matplotlib.patches import Patch, Rectangle
 
 import exact
 from exact.show import add_polygons
+from experiments.figure_text import figure_text
 from experiments.files import image_names, written_whole
 
 WHOLE_COLOUR, CLIPPED_COLOUR, EDGE_COLOUR = (0.72, 0.78, 0.84), (0.85, 0.10, 0.10), "0.25"
@@ -70,7 +71,7 @@ def _drawn(seen: exact.View, mesh: trimesh.Trimesh, title: str) -> Figure:
     ax.add_patch(Rectangle((-width / 2, -height / 2), width, height, fill=False, edgecolor="black", linewidth=1.2))
     ax.set(xlim=(-0.52 * width, 0.52 * width), ylim=(-0.52 * height, 0.52 * height), aspect="equal")
     ax.set(xlabel="right of the optical axis, along the ring [mm]", ylabel="above the optical axis, inwards [mm]")
-    ax.set_title(title, fontsize=12)
+    ax.set_title(figure_text(title), fontsize=12)
     legend = ((WHOLE_COLOUR, "face seen whole"), (CLIPPED_COLOUR, "face seen in part: what is seen of it"))
     handles = [Patch(facecolor=colour, edgecolor=EDGE_COLOUR, label=label) for colour, label in legend]
     handles.append(Patch(facecolor="none", edgecolor="black", label="field of view"))

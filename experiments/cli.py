@@ -10,6 +10,7 @@ from typing import Annotated
 import typer
 
 from experiments.compiled import keep_compiled
+from experiments.exits import as_documented, flushed, print_anything
 
 app = typer.Typer(
     name="camring",
@@ -493,15 +494,17 @@ def paper(
 def main(arguments: list[str] | None = None) -> None:
     """Run `camring` and exit: 0; 1 if a target was missed; 2, with one message, if the request cannot be met."""
     keep_compiled()
+    print_anything()
     try:
         app(arguments, prog_name="camring")
-    except KeyboardInterrupt:
-        print("camring: interrupted", file=sys.stderr)
-        sys.exit(130)
+        status = 0
+    except SystemExit as end:
+        status = as_documented(end.code)
     except Exception as error:
         from experiments.refusals import say
 
-        sys.exit(say(error))
+        status = say(error)
+    sys.exit(flushed(status))
 
 
 if __name__ == "__main__":

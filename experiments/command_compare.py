@@ -48,6 +48,8 @@ def run(
     # One demand for all, or their areas would not compare: the strictest that any of them was made for.
     baseline = max(one.min_baseline for one in read) if min_baseline is None else min_baseline
     about = subject(mesh, depth, detail, repair, scale)
+    for one in read:
+        one.refuse_other_mesh(about.mesh, about.name, force)
     excluded = exclusion(about, exclude)
     if out is not None:
         output_folder(out, OUTPUTS, force)

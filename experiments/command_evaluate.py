@@ -18,6 +18,8 @@ from experiments.words import parse_angles
 from meshes import fingerprint
 
 OUTPUTS = ("reconstructable.stl", "reconstructable.ply", "coverage.ply", "coverage.glb", "evaluation.json")
+# Cameras nearer to each other than this [mm] are in one place: less than any mount moves.
+SAME_PLACE = 1e-3
 RING_OPTIONS = ("fov", "diameter", "working_distance")
 
 
@@ -58,11 +60,12 @@ def run(
         raise InputError("a layout brings its own ring; leave --rig, --fov, --diameter and --working-distance out")
     asked = request(mesh, depth, detail, rig_file.rig(rig_path, **options))
     if layout is not None:
-        cameras = _from_layout(layout, asked, options)
+        cameras = _from_layout(layout, asked, options, force)
     else:
         listed = angles_deg is not None
         angles = np.radians(parse_angles(angles_deg)) if listed else asked.ring.equidistant(asked.rig.n_cameras)
         cameras = _Cameras(asked.ring, angles, asked.rig.threshold, asked.rig.constraints.baseline(asked.ring))
+    _warn_of_one_place(cameras)
     if out is not None:
         output_folder(out, OUTPUTS, force)
     if images is not None:
@@ -80,15 +83,27 @@ def run(
         reach(target, content["fraction_of_ring_maximum"], f"these {len(cameras.angles)} cameras")
 
 
-def _from_layout(path: Path, asked: Request, options: dict[str, Any]) -> _Cameras:
+def _from_layout(path: Path, asked: Request, options: dict[str, Any], force: bool) -> _Cameras:
     """What the file says, where no option says something else."""
     made = layout_file.read(path)
-    if made.mesh_hash not in (None, fingerprint(asked.about.mesh)):
-        note(f"note: {path} was made for another mesh")
+    made.refuse_other_mesh(asked.about.mesh, asked.about.name, force)
     threshold = made.threshold if options["threshold"] is None else options["threshold"]
     asked_for = options["min_baseline"] is not None
     baseline = asked.rig.constraints.baseline(made.ring) if asked_for else made.min_baseline
     return _Cameras(made.ring, made.angles, threshold, baseline)
+
+
+def _warn_of_one_place(given: _Cameras) -> None:
+    """Two cameras in one place are two views to the count, and none to triangulation."""
+    if given.threshold < 2 or given.min_baseline > 0:
+        return
+    apart = given.ring.separations(given.angles) + np.where(np.tri(len(given.angles), dtype=bool), np.inf, 0.0)
+    first, second = np.unravel_index(np.argmin(apart), apart.shape)
+    if apart[first, second] < SAME_PLACE:
+        note(
+            f"warning: cameras {first + 1} and {second + 1} sit in the same place, which counts as two views and "
+            "triangulates nothing; --min-baseline 1 counts only what cameras 1 mm apart see"
+        )
 
 
 def _evaluate(asked: Request, given: _Cameras, with_maximum: bool) -> tuple[exact.Reconstruction, dict[str, Any]]:

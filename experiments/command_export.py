@@ -62,11 +62,7 @@ def _site(
     made: layout_file.LayoutFile, mesh: str, depth: float | None, detail: str | None, repair: bool, force: bool
 ) -> Subject:
     site = subject(mesh, depth, detail, repair, 1.0 if mesh in meshes.SITES else _scale(made))
-    if made.mesh_hash not in (None, meshes.fingerprint(site.mesh)) and not force:
-        raise InputError(
-            f"{made.path} was made for {made.content['mesh'].get('name', 'a mesh')!r}, and {site.name} is not the same "
-            "mesh; give that one, or --force to show the cameras with this one"
-        )
+    made.refuse_other_mesh(site.mesh, site.name, force)
     return site
 
 

@@ -7,6 +7,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator, PercentFormatter
 
 import placement
+from experiments.figure_text import figure_text
 from experiments.files import written_whole
 
 BLUE, GREY, ORANGE = "#1f5fa8", "0.45", "#c65b1c"
@@ -61,7 +62,7 @@ def write_count(path: Path, name: str, of: str, found: placement.Recommendation)
     ax.yaxis.set_major_formatter(PercentFormatter(1.0, symbol=" %"))
     ax.grid(color="0.9")
     ax.spines[["top", "right"]].set_visible(False)
-    ax.set_title(f"{name}: how many cameras?")
+    ax.set_title(figure_text(f"{name}: how many cameras?"))
     ax.legend(loc="lower right", frameon=True, framealpha=0.9, edgecolor="none")
     with written_whole(path) as temporary:
         figure.savefig(temporary)

@@ -12,6 +12,7 @@ from matplotlib.patches import Circle, Patch
 
 import exact
 from exact.show import UNCOUNTED_COLOUR, add_surface, camera_above, colours
+from experiments.figure_text import figure_text
 from experiments.files import written_whole
 
 # From this number of views on, colours and counts are not told apart any more.
@@ -59,9 +60,10 @@ def write_coverage(
     for panel, reconstruction, ax in zip(panels, reconstructions, axes[:-1], strict=True):
         shown |= add_surface(ax, reconstruction, camera, palette)
         _add_bar(ax, camera.fov[0] / 2)
-        ax.set_title(f"{panel.title}\n{panel.caption}", fontsize=12)
+        ax.set_title(figure_text(f"{panel.title}\n{panel.caption}"), fontsize=12)
     _ring_from_above(axes[-1], ring, panels)
-    figure.suptitle(f"{name}: which parts do the cameras see?  (seen from the ring, looking down)", fontsize=14)
+    heading = f"{name}: which parts do the cameras see?  (seen from the ring, looking down)"
+    figure.suptitle(figure_text(heading), fontsize=14)
     figure.legend(
         handles=_legend(palette, shades, threshold, max(len(panel.angles) for panel in panels), shown),
         loc="outside lower center", ncols=min(6, len(shown)), fontsize=11, frameon=False,

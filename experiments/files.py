@@ -13,6 +13,11 @@ from experiments.errors import InputError
 def written_whole(path: Path) -> Iterator[Path]:
     """A temporary path in the same folder that becomes `path` when the block ends without an error.
 
+    Raises
+    ------
+    InputError
+        If the file cannot be written, because the disk is full, say; then nothing of it is left.
+
     Examples
     --------
     >>> folder = Path(tempfile.mkdtemp())
@@ -22,15 +27,21 @@ def written_whole(path: Path) -> Iterator[Path]:
     ['areas.csv']
     """
     # The ending stays last: writers of pictures and meshes choose their format by it.
-    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem[:40]}-", suffix=path.suffix)
-    os.close(handle)
-    temporary = Path(name)
+    temporary = None
     try:
+        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem[:40]}-", suffix=path.suffix)
+        os.close(handle)
+        temporary = Path(name)
         yield temporary
         os.chmod(temporary, 0o666 & ~_umask())  # mkstemp's own mode lets nobody else read a result
         os.replace(temporary, path)
+    except OSError as error:
+        raise InputError(
+            f"cannot write {path}: {error.strerror or error}; make room, or give another place, and run it again"
+        ) from error
     finally:
-        temporary.unlink(missing_ok=True)
+        if temporary is not None:
+            temporary.unlink(missing_ok=True)
 
 
 def _umask() -> int:
@@ -55,7 +66,11 @@ def output_folder(folder: Path, names: Iterable[str], force: bool) -> Path:
         raise InputError(f"output folder {folder} is a file; give another folder") from error
     except OSError as error:
         raise InputError(f"cannot write to output folder {folder}: {error.strerror}; give another one") from error
-    present = [name for name in names if (folder / name).exists()]
+    names = tuple(names)
+    for name in names:
+        if (folder / name).is_dir():
+            raise InputError(f"{folder / name} is a folder; move it away, or give another place for the results")
+    present = [name for name in names if os.path.lexists(folder / name)]
     if present and not force:
         raise InputError(f"{folder} already holds {', '.join(present)}; give another place, or --force to replace them")
     return folder

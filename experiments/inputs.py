@@ -1,5 +1,6 @@
 """From the words of a command line to meshes, rings and masks."""
 
+import os
 import warnings
 from dataclasses import dataclass
 from pathlib import Path
@@ -65,7 +66,7 @@ def subject(name: str, depth: float | None, detail: str | None, repair: bool = F
             f"--depth and --detail belong to built-in sites, and {name} is not one; "
             f"leave them out, or choose one of {', '.join(meshes.SITES)}"
         )
-    if not Path(name).exists() and not Path(name).suffix:
+    if not os.path.exists(name) and not Path(name).suffix:
         raise InputError(
             f"{name}: neither a file nor a built-in site; give the path of an STL, OBJ or PLY file, "
             f"or one of {', '.join(meshes.SITES)}"
@@ -75,12 +76,23 @@ def subject(name: str, depth: float | None, detail: str | None, repair: bool = F
         mesh = meshes.load(name, repair=repair, scale=scale)
     for warning in caught:
         note(f"warning: {warning.message}")
-    return Subject(Path(name).name, mesh, False, USUAL_FOV)
+    return Subject(printable(Path(name).name), mesh, False, USUAL_FOV)
+
+
+def printable(name: str) -> str:
+    r"""A file's name for tables and figures: what is no text, or would start a line, becomes a replacement character.
+
+    Examples
+    --------
+    >>> printable("scan 3.stl"), printable("scan\n3\udcff.stl")
+    ('scan 3.stl', 'scan�3�.stl')
+    """
+    return "".join(one if one.isprintable() else "�" for one in name)
 
 
 def is_site(name: str) -> bool:
     """Whether a built-in site is meant, with its depth or without; a file of that name goes first."""
-    return name.partition("@")[0] in meshes.SITES and not Path(name).exists()
+    return name.partition("@")[0] in meshes.SITES and not os.path.exists(name)
 
 
 def _site(name: str, depth: float | None, detail: str | None, scale: float) -> Subject:
@@ -134,9 +146,10 @@ def exclusion(about: Subject, choice: str | None) -> Exclusion:
         ) from error
     mask = np.zeros(len(mesh.faces), dtype=bool)
     for word in lines:
-        if not (word.isascii() and word.isdigit() and int(word) < len(mask)):
+        # Longer ones than that of the last face need no reading, and Python reads no more than 4300 digits.
+        if not (word.isascii() and word.isdigit() and len(word) <= len(str(len(mask))) and int(word) < len(mask)):
             raise InputError(
-                f"{choice} holds {word!r}; each line must be a face index from 0 to {len(mask) - 1} for this mesh"
+                f"{choice} holds {word[:40]!r}; each line must be a face index from 0 to {len(mask) - 1} for this mesh"
             )
         mask[int(word)] = True
     return Exclusion(mask, f"{mask.sum()} faces listed in {choice}, {mesh.area_faces[mask].sum():.2f} mm²")

@@ -1,15 +1,18 @@
 """The file `layout.json`: a ring and where its cameras sit, with the exact areas and all that repeats them."""
 
+import difflib
 import json
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import trimesh
 
 import exact
 from experiments.errors import InputError
 from experiments.files import written_whole
+from meshes import fingerprint
 
 if TYPE_CHECKING:  # at run time it would bring jax along, which reading a layout hardly ever needs
     import placement
@@ -19,6 +22,15 @@ FORMAT = "camring layout"
 VERSION = 1
 # Fields of `placement.Constraints`, here once more for the same reason.
 CONSTRAINTS = ("fixed", "forbidden", "min_angle", "min_baseline", "min_separation")
+RING = ("diameter_mm", "working_distance_mm", "fov_mm", "focus_mm", "axis")
+# All that any command has written into a layout file; another field is a slip of whoever edited it.
+FIELDS = (
+    "format", "version", "ring", "n_cameras", "threshold", "angles_deg", "angles_rad", "best_equidistant_phase_deg",
+    "areas_mm2", "fractions_of_ring_maximum", "smallest_separation_mm", "mesh", "meshes", "objective", "poses",
+    "falloff_mm", "constraints", "certificate", "settings", "seed", "versions", "robustness",
+)  # fmt: skip
+# Angles in degrees and in radians that differ by more than this [rad] were not meant to be the same.
+SAME_ANGLE = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,10 +45,25 @@ class LayoutFile:
     content: dict[str, Any]
 
     @property
-    def mesh_hash(self) -> str | None:
-        """Fingerprint of the mesh it was made for, if it says."""
-        mesh = self.content.get("mesh")
-        return mesh.get("sha256") if isinstance(mesh, dict) else None
+    def made_for(self) -> dict[str, str]:
+        """Names of the meshes it was made for, as far as it says, by their fingerprints."""
+        kept = [self.content.get("mesh"), *(self.content.get("meshes") or ())]
+        return {mesh["sha256"]: mesh.get("name", "a mesh") for mesh in kept if mesh and mesh.get("sha256") is not None}
+
+    def refuse_other_mesh(self, mesh: trimesh.Trimesh, name: str, force: bool) -> None:
+        """Refuse a mesh that it was not made for, unless it does not say for which, or with `force`.
+
+        Raises
+        ------
+        InputError
+        """
+        if force or not self.made_for or fingerprint(mesh) in self.made_for:
+            return
+        meant = " or ".join(repr(known) for known in dict.fromkeys(self.made_for.values()))
+        raise InputError(
+            f"{self.path} was made for {meant}, and {name} is not the same mesh; give that one, or --force to use the "
+            "layout with this one"
+        )
 
 
 def ring_content(ring: exact.Ring) -> dict[str, Any]:
@@ -141,14 +168,19 @@ def read(path: Path) -> LayoutFile:
         raise InputError(f"{path} is not a layout file: it holds no valid JSON ({error})") from error
     if not isinstance(content, dict) or content.get("format") != FORMAT:
         raise InputError(f'{path} is not a layout file: "format" must be "{FORMAT}"; camring optimise writes one')
-    if content.get("version") != VERSION:
-        raise InputError(
-            f"{path} has layout version {content.get('version')!r}; only {VERSION} is known: update camring"
-        )
+    version = content.get("version")
+    if version != VERSION or isinstance(version, bool):
+        raise InputError(f"{path} has layout version {version!r}; only {VERSION} is known: update camring")
+    try:
+        _refuse_unknown(content, FIELDS, "")
+        _check_meshes(content)
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from error
     ring = content.get("ring")
     if not isinstance(ring, dict) or not {"diameter_mm", "working_distance_mm", "fov_mm"} <= set(ring):
         raise InputError(f'{path}: "ring" must give diameter_mm, working_distance_mm and fov_mm')
     try:
+        _refuse_unknown(ring, RING, ' in "ring"')
         made = exact.Ring(
             diameter=ring["diameter_mm"],
             working_distance=ring["working_distance_mm"],
@@ -184,11 +216,46 @@ def _baseline(content: dict[str, Any], ring: exact.Ring) -> float:
 
 
 def _angles(content: dict[str, Any]) -> np.ndarray:
+    given = []
     for key, unit in (("angles_rad", 1.0), ("angles_deg", np.pi / 180)):
-        if key in content:
-            values = content[key]
-            numbers = isinstance(values, list) and values
-            if not numbers or any(isinstance(v, bool) or not isinstance(v, int | float) for v in values):
-                raise InputError(f'"{key}" must be a list of at least one number')
-            return np.array(values, dtype=np.float64) * unit
-    raise InputError('it gives no ring angles; "angles_rad" or "angles_deg" must list them')
+        if key not in content:
+            continue
+        values = content[key]
+        numbers = isinstance(values, list) and values
+        if not numbers or any(isinstance(v, bool) or not isinstance(v, int | float) for v in values):
+            raise InputError(f'"{key}" must be a list of at least one number')
+        try:
+            given.append(np.array(values, dtype=np.float64) * unit)
+        except OverflowError as error:  # whole numbers of hundreds of digits
+            raise InputError(f'the ring angles of "{key}" must all be finite') from error
+    if not given:
+        raise InputError('it gives no ring angles; "angles_rad" or "angles_deg" must list them')
+    if not np.isfinite(given[0]).all():
+        raise InputError(f"ring angles {given[0].tolist()} are not all finite [rad]")
+    # Whoever edits one of the two by hand must not get the areas of the other.
+    if len(given[0]) != len(given[-1]) or not (np.abs(given[0] - given[-1]) <= SAME_ANGLE).all():
+        raise InputError('"angles_deg" and "angles_rad" are not the same angles; leave one of them out')
+    if content.get("n_cameras", len(given[0])) != len(given[0]):
+        raise InputError(f'"n_cameras" is {content["n_cameras"]!r}, and there are {len(given[0])} ring angles')
+    return given[0]
+
+
+def _refuse_unknown(kept: dict[str, Any], known: tuple[str, ...], where: str) -> None:
+    for name in kept:
+        if name not in known:
+            near = difflib.get_close_matches(name.lower(), known, n=1)
+            meant = f"; did you mean {near[0]}?" if near else ","
+            raise InputError(f"there is no field {name[:40]!r}{where}{meant} fields are {', '.join(known)}")
+
+
+def _check_meshes(content: dict[str, Any]) -> None:
+    """What is said of meshes must be what is read of it."""
+    several = content.get("meshes")
+    if not (several is None or isinstance(several, list)):
+        raise InputError(f'"meshes" is {several!r}; it must be a list of what "mesh" gives')
+    for mesh in (content.get("mesh"), *(several or ())):
+        words = mesh is None or (
+            isinstance(mesh, dict) and all(isinstance(mesh.get(key, ""), str) for key in ("name", "sha256"))
+        )
+        if not words:
+            raise InputError(f'"mesh" is {str(mesh)[:80]}; it must give "name" and "sha256", both in quotes')

@@ -4,7 +4,7 @@ from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import contextmanager
 
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, ProgressColumn, TextColumn, TimeRemainingColumn
 from rich.status import Status
 
 
@@ -32,7 +32,7 @@ def progress_tasks(what: str, costs: Mapping[str, float], done: Collection[str])
     """
     counted = TextColumn("{task.fields[n_done]} of {task.fields[n_tasks]} tasks")
     columns = (TextColumn("{task.description}"), BarColumn(), counted, TimeRemainingColumn())
-    with Progress(*columns, console=Console(stderr=True), transient=True, speed_estimate_period=300.0) as bar:
+    with _progress(*columns, speed_estimate_period=300.0) as bar:
         task = bar.add_task(what, total=sum(costs.values()), n_done=0, n_tasks=len(costs))
         n_done = len(done)
         bar.update(task, completed=sum(costs[name] for name in done), n_done=n_done)
@@ -52,4 +52,16 @@ def working(what: str) -> Status:
 
 def _bar() -> Progress:
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    return Progress(*columns, console=Console(stderr=True), transient=True)
+    return _progress(*columns)
+
+
+def _progress(*columns: ProgressColumn, speed_estimate_period: float = 30.0) -> Progress:
+    """A bar that goes when it is done; none in a file or a pipe, where it would leave an empty line."""
+    console = Console(stderr=True)
+    return Progress(
+        *columns,
+        console=console,
+        transient=True,
+        disable=not console.is_terminal,
+        speed_estimate_period=speed_estimate_period,
+    )

@@ -6,12 +6,13 @@ import traceback
 import exact
 import meshes
 from experiments.errors import InputError, TargetMissed
-
-TARGET_MISSED, REFUSED, FAULT = 1, 2, 70
+from experiments.exits import FAULT, REFUSED, TARGET_MISSED
 
 
 def exit_status(error: BaseException) -> int:
     """1: ran, but a target was missed. 2: the message says what was wrong with the request. 70: a fault of camring.
+
+    A request for more than the memory or the disk holds is one that cannot be met: 2.
 
     A fault has a status of its own, so that no script takes it for a missed target.
 
@@ -26,7 +27,19 @@ def exit_status(error: BaseException) -> int:
         known += (placement.PlacementError,)
     if isinstance(error, TargetMissed):
         return TARGET_MISSED
-    return REFUSED if isinstance(error, known) else FAULT
+    return REFUSED if isinstance(error, known) or out_of_memory(error) else FAULT
+
+
+def out_of_memory(error: BaseException) -> bool:
+    """Whether Python, numpy or JAX asked for more memory than there is.
+
+    Examples
+    --------
+    >>> out_of_memory(MemoryError()), out_of_memory(ValueError("RESOURCE_EXHAUSTED in a file name"))
+    (True, False)
+    """
+    of_jax = type(error).__name__ in ("JaxRuntimeError", "XlaRuntimeError") and "RESOURCE_EXHAUSTED" in str(error)
+    return isinstance(error, MemoryError) or of_jax
 
 
 def say(error: BaseException) -> int:
@@ -34,6 +47,12 @@ def say(error: BaseException) -> int:
     status = exit_status(error)
     if status == FAULT:
         traceback.print_exception(error)
+    elif out_of_memory(error):
+        print(
+            f"camring: not enough memory ({str(error)[:120] or 'none is left'}); take a coarser mesh, fewer cameras or "
+            "fewer samples, or allow more memory (ulimit -v)",
+            file=sys.stderr,
+        )
     else:
         print(f"camring: {error}", file=sys.stderr)
     return status

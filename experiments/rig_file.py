@@ -299,7 +299,7 @@ def read(path: Path) -> dict[str, Any]:
         content = tomllib.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise InputError(f"cannot read rig file {path}: {error.strerror}; camring rig init writes one") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except (ValueError, RecursionError) as error:
         raise InputError(f"{path} is not a rig file: it holds no valid TOML ({error})") from error
     values = {}
     for section, keys in content.items():

@@ -24,8 +24,10 @@ def parse_fov(text: str, option: str = "--fov") -> tuple[float, float]:
         width, height = (float(part) for part in match.groups()) if match else (0.0, 0.0)
     except ValueError:
         width = height = 0.0
-    if width <= 0 or height <= 0:
-        raise InputError(f"{option} is {text!r}; it must be width x height in millimetres, both positive, as in 36x24")
+    if not (0 < width < math.inf and 0 < height < math.inf):
+        raise InputError(
+            f"{option} is {text[:40]!r}; it must be width x height in millimetres, both positive, as in 36x24"
+        )
     return width, height
 
 

@@ -109,7 +109,7 @@ def _unit_hint(mesh: trimesh.Trimesh, scale: float) -> str | None:
 
 def _read(path: Path) -> bytes:
     """All bytes of the file, if it is a file of a known kind."""
-    if not path.exists():
+    if not os.path.exists(path):  # unlike pathlib's, it says no to a name that cannot be
         raise MeshError(f"{path}: no such file; give the path of an STL, OBJ or PLY file")
     if not path.is_file():
         raise MeshError(f"{path}: a {'folder' if path.is_dir() else 'device'}; give an STL, OBJ or PLY file")

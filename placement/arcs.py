@@ -10,6 +10,7 @@ from collections.abc import Iterator
 import numpy as np
 
 import exact
+from exact.cameras import MOST_CAMERAS
 from placement.constraints import GAP_MARGIN, LENGTH_TOLERANCE, Constraints, offered
 from placement.errors import PlacementError
 from placement.layout import Arcs, arcs_from_angles, gaps_from_angles
@@ -47,6 +48,8 @@ class LayoutSpace:
     def __init__(self, ring: exact.Ring, n_cameras: int, constraints: Constraints):
         if not isinstance(n_cameras, int | np.integer) or isinstance(n_cameras, bool) or n_cameras < 1:
             raise PlacementError(f"number of cameras is {n_cameras!r}; it must be a whole number, at least 1")
+        if n_cameras > MOST_CAMERAS:
+            raise PlacementError(f"number of cameras is {n_cameras}; it must be at most {MOST_CAMERAS}")
         if len(constraints.fixed) > n_cameras:
             raise PlacementError(
                 f"{len(constraints.fixed)} cameras are fixed but the layout has {n_cameras}; ask for at least "

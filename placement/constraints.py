@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 import exact
+from exact.cameras import LARGEST_ANGLE
 from placement.errors import PlacementError
 
 # Added to the smallest gap [rad] so that a separation computed from rounded angles never falls short of the
@@ -60,13 +61,19 @@ class Constraints:
         try:
             fixed = tuple(float(angle) for angle in self.fixed)
             forbidden = tuple((float(start), float(end)) for start, end in self.forbidden)
-        except (TypeError, ValueError) as error:
+        except (TypeError, ValueError, OverflowError) as error:
             raise PlacementError(
                 "fixed must be a row of ring angles and forbidden a row of pairs of ring angles [rad]; got "
                 f"fixed={self.fixed!r}, forbidden={self.forbidden!r}"
             ) from error
         if not np.isfinite(np.array(fixed + tuple(np.ravel(forbidden)))).all():
             raise PlacementError("fixed and forbidden ring angles must be finite [rad]")
+        largest = max(map(abs, (*fixed, *(angle for arc in forbidden for angle in arc))), default=0.0)
+        if largest > LARGEST_ANGLE:
+            raise PlacementError(
+                f"a fixed or forbidden ring angle is {largest:g} rad; angles must be at most {LARGEST_ANGLE:g} rad to "
+                "and fro"
+            )
         object.__setattr__(self, "fixed", fixed)
         object.__setattr__(self, "forbidden", forbidden)
 
@@ -168,3 +175,16 @@ def checked_threshold(threshold: int, n_cameras: int, constraints: Constraints) 
     if n_cameras == 1 and (constraints.min_baseline > 0 or constraints.min_angle > 0):
         raise PlacementError("one camera has no baseline; ask for at least 2 cameras")
     return int(threshold)
+
+
+def checked_seed(seed: int) -> int:
+    """Return `seed` if it can seed a generator of random numbers.
+
+    Raises
+    ------
+    PlacementError
+        If it is not a whole number, or negative.
+    """
+    if not isinstance(seed, int | np.integer) or isinstance(seed, bool) or seed < 0:
+        raise PlacementError(f"seed is {seed!r}; it must be a whole number, at least 0")
+    return int(seed)

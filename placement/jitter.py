@@ -3,6 +3,7 @@
 import numpy as np
 import trimesh
 
+from placement.constraints import checked_seed
 from placement.errors import PlacementError
 
 
@@ -56,7 +57,7 @@ def jitter(
         raise PlacementError(f"shift_mm is {shift_mm}; it must be finite and at least 0 [mm]")
     if int(n) != n or n < 1:
         raise PlacementError(f"number of poses is {n}; it must be a whole number, at least 1")
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(checked_seed(seed))
     poses = [mesh.copy()]
     for _ in range(int(n) - 1):
         towards, tilt = rng.uniform(0, 2 * np.pi), np.radians(tilt_deg) * rng.random()

@@ -6,7 +6,7 @@ import numpy as np
 import trimesh
 
 import exact
-from placement.constraints import Constraints
+from placement.constraints import Constraints, checked_seed
 from placement.exchange import SampledCoverage
 from placement.profiles import RingProfiles
 from placement.sampled_site import sample_site
@@ -78,6 +78,7 @@ class Problem:
         workers: int | None = None,
         progress: Progress | None = None,
     ):
+        seed = checked_seed(seed)
         report = progress or (lambda what, done, total: None)
         self.sites: Sites = checked_sites(mesh, exclude, face_weights, site_weights, objective)
         self.ring, self.threshold, self.seed = ring, threshold, seed

@@ -99,5 +99,5 @@ class Settings:
             raise PlacementError(
                 "settings: certificate_step must be within (0, pi / 2] and certificate_seconds positive"
             )
-        if any(step <= 0 for step in self.polish_steps) or self.distinct_tolerance < 0:
+        if not (all(0 < step < np.inf for step in self.polish_steps) and 0 <= self.distinct_tolerance < np.inf):
             raise PlacementError("settings: polish_steps must be positive and distinct_tolerance not negative [rad]")

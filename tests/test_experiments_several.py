@@ -129,10 +129,11 @@ def test_other_commands_take_such_a_layout(camring, desk, both, tmp_path):
         area = mesh["areas_of_poses_mm2"][0]["optimised"]
         assert json.loads(out)["area_mm2"] == pytest.approx(area, rel=1e-12)
     export = ("export", both[0] / "layout.json", "--format", "glb", "--out", tmp_path)
-    assert camring(*export, "--mesh", desk / "a.stl")[0] == 0
-    status, _, err = camring(*export, "--mesh", desk / "b.stl", "--out", tmp_path / "b")
+    for number, mesh in enumerate(content["meshes"]):  # it was made for each of them
+        assert camring(*export, "--mesh", desk / mesh["name"], "--out", tmp_path / str(number))[0] == 0
+    status, _, err = camring(*export, "--mesh", "circ_flat", "--out", tmp_path / "other")
     assert status == 2
-    assert "was made for 'a.stl'" in " ".join(err.split())
+    assert "was made for 'a.stl' or 'b.stl', and circ_flat" in " ".join(err.split())
 
 
 def test_poses_weights_of_sites_and_of_faces(camring, desk, tmp_path, quick_search):
