@@ -5,8 +5,9 @@ that sees only part of it cuts it. Parts that T cameras have seen are set aside,
 and the next camera meets only what is left.
 """
 
-from collections.abc import Callable, Sequence
-from concurrent.futures import Executor, as_completed
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import BrokenExecutor, Executor, as_completed
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,6 +16,7 @@ from loky import get_reusable_executor
 
 from exact.cameras import Camera
 from exact.clipping import cut_pieces, unite, whole_faces
+from exact.errors import ExactError
 from exact.occlusion import CUT, WHOLE, Sight, look
 from exact.projection import NEAR, project
 from exact.surface import Surface
@@ -177,12 +179,12 @@ def tally(
     if workers == 1 or active.sum() < workers:
         return _tally(surface, cameras, demand, active, depth_order, report)
     shares = _shares(surface, cameras[0], active, workers)
-    executor = processes(workers)
-    futures = [executor.submit(_tally, surface, cameras, demand, share, depth_order) for share in shares]
-    for done, _ in enumerate(as_completed(futures)):
-        if report is not None:
-            report(len(cameras) * (done + 1) // workers - len(cameras) * done // workers)
-    found = [future.result() for future in futures]
+    with processes(workers) as executor:
+        futures = [executor.submit(_tally, surface, cameras, demand, share, depth_order) for share in shares]
+        for done, _ in enumerate(as_completed(futures)):
+            if report is not None:
+                report(len(cameras) * (done + 1) // workers - len(cameras) * done // workers)
+        found = [future.result() for future in futures]
     return Tally(
         np.any([part.whole_seen for part in found], axis=0),
         np.any([part.is_cut for part in found], axis=0),
@@ -191,12 +193,24 @@ def tally(
     )
 
 
-def processes(workers: int) -> Executor:
-    """Executor with that many processes, kept for the next call.
+@contextmanager
+def processes(workers: int) -> Iterator[Executor]:
+    """Executor with that many processes, kept for the next call; a new one after one of them has died.
 
     Threads would wait for each other: most of the time goes into making and reading shapely's objects.
+
+    Raises
+    ------
+    ExactError
+        If a process dies while it is at work.
     """
-    return get_reusable_executor(max_workers=workers, timeout=IDLE_SECONDS, env=ONE_THREAD)
+    try:
+        yield get_reusable_executor(max_workers=workers, timeout=IDLE_SECONDS, env=ONE_THREAD)
+    except BrokenExecutor as error:
+        raise ExactError(
+            f"one of {workers} processes that shared the work was stopped from outside, most likely since memory ran "
+            "out; ask for fewer workers, a coarser mesh or fewer cameras, or free some memory, and try again"
+        ) from error
 
 
 def _shares(surface: Surface, camera: Camera, active: np.ndarray, n: int) -> list[np.ndarray]:

@@ -112,7 +112,7 @@ def evaluate(
     Raises
     ------
     ExactError
-        If the request is not possible or the mesh has no inside and outside (mixed winding).
+        If the request is not possible, the mesh has no inside and outside (mixed winding), or a worker process dies.
 
     Examples
     --------
@@ -168,7 +168,7 @@ def areas(
     Raises
     ------
     ExactError
-        If one of the requests is not possible.
+        If one of the requests is not possible, or a worker process dies.
 
     Examples
     --------
@@ -196,11 +196,12 @@ def areas(
                 report(1)
         return np.array(found)
     _ = surface.solid  # found once, not by every worker
-    futures = [processes(workers).submit(_area, *task) for task in tasks]
-    for _ in as_completed(futures):
-        if report is not None:
-            report(1)
-    return np.array([future.result() for future in futures])
+    with processes(workers) as executor:
+        futures = [executor.submit(_area, *task) for task in tasks]
+        for _ in as_completed(futures):
+            if report is not None:
+                report(1)
+        return np.array([future.result() for future in futures])
 
 
 def _area(surface: Surface, cameras: Sequence[Camera], demand: Demand, counted: np.ndarray, weights) -> float:

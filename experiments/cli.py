@@ -504,6 +504,8 @@ def main(arguments: list[str] | None = None) -> None:
         from experiments.refusals import say
 
         status = say(error)
+    if "experiments.folder_lock" in sys.modules:
+        sys.modules["experiments.folder_lock"].release_all()
     sys.exit(flushed(status))
 
 

@@ -55,7 +55,8 @@ def run(
         if out.suffix.lower() == ".stl":
             temporary.write_bytes(meshes.stl_bytes(about.mesh))
         else:
-            about.mesh.export(temporary)
+            data = about.mesh.export(file_type=out.suffix.lower()[1:])
+            temporary.write_bytes(data if isinstance(data, bytes) else str(data).encode())
     size = about.mesh.extents
     print(
         f"{out}: {about.name}, {len(about.mesh.faces)} faces, {about.mesh.area:.1f} mm², "

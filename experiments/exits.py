@@ -18,7 +18,7 @@ def as_documented(status: object) -> int:
     (0, 2, 141)
     """
     if status == INTERRUPTED:
-        print("camring: interrupted", file=sys.stderr)
+        print("camring: interrupted; what is written is whole", file=sys.stderr)
     known = status if isinstance(status, int) else 0
     return PIPE_CLOSED if known == 1 else known
 
@@ -40,7 +40,8 @@ def flushed(status: int) -> int:
     except BrokenPipeError:
         status = PIPE_CLOSED
     except OSError as error:
-        print(f"camring: cannot write to standard output: {error.strerror}; give it another place", file=sys.stderr)
-        status = REFUSED
+        if status == 0:
+            print(f"camring: cannot write to standard output: {error.strerror}; give it another place", file=sys.stderr)
+            status = REFUSED
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # or Python would try it once more
     return status

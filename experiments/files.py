@@ -1,5 +1,6 @@
 """Write results so that a file is either absent or whole, and never silently replaces another."""
 
+import glob
 import os
 import tempfile
 from collections.abc import Iterable, Iterator
@@ -7,6 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from experiments.errors import InputError
+from experiments.folder_lock import hold
 
 
 @contextmanager
@@ -29,7 +31,7 @@ def written_whole(path: Path) -> Iterator[Path]:
     # The ending stays last: writers of pictures and meshes choose their format by it.
     temporary = None
     try:
-        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem[:40]}-", suffix=path.suffix)
+        handle, name = tempfile.mkstemp(dir=path.parent, prefix=_prefix(path), suffix=path.suffix)
         os.close(handle)
         temporary = Path(name)
         yield temporary
@@ -44,6 +46,16 @@ def written_whole(path: Path) -> Iterator[Path]:
             temporary.unlink(missing_ok=True)
 
 
+def _prefix(path: Path) -> str:
+    return f".{path.stem[:40]}-"
+
+
+def _remove_remains(path: Path) -> None:
+    """Remove what runs that were killed while they wrote `path` have left beside it."""
+    for remains in path.parent.glob(f"{glob.escape(_prefix(path))}????????{glob.escape(path.suffix)}"):
+        remains.unlink(missing_ok=True)
+
+
 def _umask() -> int:
     mask = os.umask(0)
     os.umask(mask)
@@ -56,8 +68,18 @@ def output_folder(folder: Path, names: Iterable[str], force: bool) -> Path:
     Raises
     ------
     InputError
-        If it is not a folder, cannot be written to, or holds one of the files already and `force` is not given.
+        If it is not a folder, cannot be written to, holds one of the files already and `force` is not given, or
+        another run is writing into it.
     """
+    names = tuple(names)
+    _check_place(folder, names, force)
+    hold(folder)
+    for name in names:
+        _remove_remains(folder / name)
+    return folder
+
+
+def _check_place(folder: Path, names: tuple[str, ...], force: bool) -> None:
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
@@ -66,21 +88,19 @@ def output_folder(folder: Path, names: Iterable[str], force: bool) -> Path:
         raise InputError(f"output folder {folder} is a file; give another folder") from error
     except OSError as error:
         raise InputError(f"cannot write to output folder {folder}: {error.strerror}; give another one") from error
-    names = tuple(names)
     for name in names:
         if (folder / name).is_dir():
             raise InputError(f"{folder / name} is a folder; move it away, or give another place for the results")
     present = [name for name in names if os.path.lexists(folder / name)]
     if present and not force:
         raise InputError(f"{folder} already holds {', '.join(present)}; give another place, or --force to replace them")
-    return folder
 
 
 def output_file(path: Path, force: bool) -> Path:
     """Make sure that the single file `path` can be written; errors as for `output_folder`."""
     if path.is_dir():
         raise InputError(f"{path} is a folder; give the name of a file")
-    output_folder(path.parent, [path.name], force)
+    _check_place(path.parent, (path.name,), force)
     return path
 
 

@@ -1,5 +1,6 @@
 """What went wrong, for the person at the command line and for the script that called it."""
 
+import errno
 import sys
 import traceback
 
@@ -27,7 +28,7 @@ def exit_status(error: BaseException) -> int:
         known += (placement.PlacementError,)
     if isinstance(error, TargetMissed):
         return TARGET_MISSED
-    return REFUSED if isinstance(error, known) or out_of_memory(error) else FAULT
+    return REFUSED if isinstance(error, known) or out_of_memory(error) or _no_room(error) else FAULT
 
 
 def out_of_memory(error: BaseException) -> bool:
@@ -42,6 +43,11 @@ def out_of_memory(error: BaseException) -> bool:
     return isinstance(error, MemoryError) or of_jax
 
 
+def _no_room(error: BaseException) -> bool:
+    """Whether a disk is full, or what standard output was sent to."""
+    return isinstance(error, OSError) and error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+
+
 def say(error: BaseException) -> int:
     """Print on stderr what went wrong, with where if it is a fault of camring; return the exit status."""
     status = exit_status(error)
@@ -51,6 +57,11 @@ def say(error: BaseException) -> int:
         print(
             f"camring: not enough memory ({str(error)[:120] or 'none is left'}); take a coarser mesh, fewer cameras or "
             "fewer samples, or allow more memory (ulimit -v)",
+            file=sys.stderr,
+        )
+    elif _no_room(error):
+        print(
+            f"camring: cannot write: {error}; make room, or give standard output and results another place",
             file=sys.stderr,
         )
     else:
