@@ -38,6 +38,8 @@ class Plan:
         Numbers of cameras.
     constrained_counts : tuple of int
         Those for which the constraints are varied.
+    shared_counts : tuple of int
+        Those of one layout for all sites together.
     equidistant_counts : tuple of int
         Numbers of cameras of equidistant rings.
     detail : str
@@ -46,6 +48,7 @@ class Plan:
     sites: tuple[tuple[str, int], ...]
     counts: tuple[int, ...]
     constrained_counts: tuple[int, ...]
+    shared_counts: tuple[int, ...]
     equidistant_counts: tuple[int, ...]
     detail: str
 
@@ -60,8 +63,9 @@ class Plan:
         """
         sites = tuple(dict.fromkeys((case.site, case.depth) for case in cases(quick)))
         if quick:
-            return Plan(sites, (2, 3), (3,), tuple(range(2, 9)), detail)
-        return Plan(sites, tuple(range(2, 13)), (4,), tuple(range(2, MOST_EQUIDISTANT + 1)), detail)
+            return Plan(sites, (2, 3), (3,), (2,), tuple(range(2, 9)), detail)
+        every = tuple(range(2, 13))
+        return Plan(sites, every, (4,), (2, 3, 4, 6, 8), tuple(range(2, MOST_EQUIDISTANT + 1)), detail)
 
 
 @lru_cache(maxsize=1)
@@ -179,6 +183,6 @@ def study_tasks(plan: Plan) -> list[tuple[dict[str, Any], Task]]:
         inputs = {"site": named[site], "detail": plan.detail, "counts": list(plan.equidistant_counts)}
         about = {"part": "equidistant", "site": site[0], "depth_mm": site[1]}
         tasks.append((about, Task(equidistant, inputs, cost=2.0, packages=("meshes", "exact"))))
-    for n in plan.counts:
+    for n in plan.shared_counts:
         request("all sites", plan.sites, n, cost=10.0, objective="worst")
     return tasks
