@@ -2,17 +2,22 @@
 PYTHON ?= python3
 BIN := .venv/bin
 
-.PHONY: demo test lint clean
+.PHONY: demo test lint docs clean
 
 demo: .venv/installed
 	$(BIN)/camring optimise circ_artery --depth 50 --cameras 4 --out out/demo --force
 
+# Needs Chromium or Chrome too, to look at reports with: on Debian and Ubuntu, apt-get install chromium.
 test: .venv/installed-test lint
 	$(BIN)/pytest -n 2
 
 lint: .venv/installed-test
 	$(BIN)/ruff check .
 	$(BIN)/pyright
+
+# The documentation as web pages, out/docs/index.html; a warning is an error.
+docs: .venv/installed-docs
+	$(BIN)/sphinx-build -q -W --keep-going -d out/doctrees docs out/docs
 
 .venv/bin/pip:
 	$(PYTHON) -m venv .venv
@@ -23,6 +28,10 @@ lint: .venv/installed-test
 
 .venv/installed-test: pyproject.toml | .venv/bin/pip
 	$(BIN)/pip install --quiet --editable '.[test]'
+	touch .venv/installed $@
+
+.venv/installed-docs: pyproject.toml | .venv/bin/pip
+	$(BIN)/pip install --quiet --editable '.[docs]'
 	touch .venv/installed $@
 
 clean:
