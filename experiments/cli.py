@@ -183,6 +183,7 @@ def optimise(
             autocompletion=completing((*FORMATS, "mesh")),
         ),
     ] = None,
+    report: Annotated[bool, typer.Option("--report", help="also write report.html, as camring report does")] = False,
     out: Out = Path("out"),
     force: Force = False,
     json: Json = False,
@@ -203,8 +204,8 @@ def optimise(
         repair=repair, scale=scale,
     )  # fmt: skip
     command_optimise.run(
-        meshes, rig, options, depth=depth, detail=detail, target=target, robust=robustness, export=export, out=out,
-        force=force, as_json=json,
+        meshes, rig, options, depth=depth, detail=detail, target=target, robust=robustness, export=export,
+        with_report=report, out=out, force=force, as_json=json,
     )  # fmt: skip
 
 
@@ -385,6 +386,40 @@ def export(
 
 
 @app.command()
+def report(
+    layout: Annotated[Path, typer.Argument(help="folder with a layout.json, or that file")],
+    mesh: Annotated[
+        str | None,
+        typer.Option(
+            help="the mesh that the layout was made for, the first of several: a file, or a built-in site",
+            show_default="the built-in site it was made for",
+            autocompletion=completing(SITES),
+        ),
+    ] = None,
+    exclude: Annotated[
+        str | None,
+        typer.Option(help="faces that did not count, if a file lists them", show_default="what layout.json says"),
+    ] = None,
+    repair: Repair = None,
+    out: Annotated[
+        Path | None, typer.Option(help="folder for the report", show_default="the layout's own folder")
+    ] = None,
+    force: Force = False,
+    json: Json = False,
+) -> None:
+    """Write a page that shows a layout and all that is known of it, for anyone with a browser.
+
+    Writes report.html: tables, drawings and the surface in three dimensions, in one file that needs no network. Shows
+    count.csv of camring count too, if it lies beside layout.json.
+
+    Example: camring report out/ --mesh scan.stl
+    """
+    from experiments import command_report
+
+    command_report.run(layout, mesh, exclude, bool(repair), out, force, json)
+
+
+@app.command()
 def site(
     name: Annotated[
         str | None, typer.Argument(help="name of a built-in site", autocompletion=completing(SITES))
@@ -489,6 +524,31 @@ def paper(
     from experiments import command_paper
 
     command_paper.run(quick, report_only, detail or "coarse", scheduler, out, force)
+
+
+@app.command()
+def study(
+    quick: Annotated[bool, typer.Option("--quick", help="two sites, 2 and 3 cameras: a first look")] = False,
+    report_only: Annotated[
+        bool, typer.Option("--report-only", help="compute nothing; write tables and figures anew from what is there")
+    ] = False,
+    detail: Detail = None,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(help="address of a Dask scheduler, tcp://...", show_default="the processors of this machine"),
+    ] = None,
+    out: Out = Path("out/study"),
+    force: Force = False,
+) -> None:
+    """Optimised against equidistant rings on the ten sites of Wachter 2021, with certificates; takes an hour.
+
+    A run that was stopped goes on where it was when the same command is given again.
+
+    Example: camring study --out out/study
+    """
+    from experiments import command_study
+
+    command_study.run(quick, report_only, detail or "coarse", scheduler, out, force)
 
 
 def main(arguments: list[str] | None = None) -> None:

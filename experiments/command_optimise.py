@@ -7,7 +7,7 @@ import numpy as np
 
 import exact
 import placement
-from experiments import coverage_mesh, layout_file, layout_table, rig_file, robustness_table, site_table
+from experiments import coverage_mesh, layout_file, layout_table, report, rig_file, robustness_table, site_table
 from experiments.coverage_figure import Panel, write_coverage
 from experiments.exports import formats
 from experiments.exports.cameras import named_cameras
@@ -33,6 +33,7 @@ def run(
     target: float | None,
     robust: bool,
     export: str | None,
+    with_report: bool,
     out: Path,
     force: bool,
     as_json: bool,
@@ -44,7 +45,7 @@ def run(
     asked.check_cameras(asked.rig.n_cameras)
     meshes_too = coverage_mesh.FILES if "mesh" in names else ()
     names = tuple(name for name in names if name in formats.FORMATS)
-    output_folder(out, (*OUTPUTS, *meshes_too), force)
+    output_folder(out, (*OUTPUTS, *meshes_too, *[report.NAME] * with_report), force)
     files = formats.prepare(out, names, force)
     with progress_stages() as progress:
         problem = asked.problem(progress)
@@ -61,6 +62,10 @@ def run(
         formats.write(out, names, named_cameras(asked.ring, np.array(result.angles)), asked.subjects[0])
         if meshes_too:
             files += _write_meshes(out, asked, result)
+        if with_report:
+            shown = asked.poses[0]
+            report.write(out / report.NAME, layout_file.read(out / OUTPUTS[0]), shown.mesh, shown.excluded)
+            files += (report.NAME,)
     if as_json:
         print_json(content | {"layouts": [layout_table.figures(row) for row in rows]})
     else:
@@ -100,8 +105,9 @@ def _rows(
                 for pose in asked.poses
             ]
         )
+        breaks = result.constraints.violations(asked.ring, angles)
         gain = None if number == 0 else fraction - result.equidistant_fraction
-        rows.append(layout_table.row(name, angles, area / asked.n_poses, fraction, gain, spread, found))
+        rows.append(layout_table.row(name, angles, area / asked.n_poses, fraction, gain, spread, found, breaks))
     return rows
 
 
@@ -133,6 +139,9 @@ def _print(asked: Request, result: placement.Placement, rows: list[layout_table.
     if len(asked.poses) > 1:
         console.print(site_table.site_table(asked, result))
     console.print(layout_table.layout_table(rows, "equidistant"))
+    for row in rows:
+        if row.breaks:
+            console.print(f"{row.name} is there to compare with and does not meet the constraints: {row.breaks[0]}")
     console.print(
         "optimised ring angles [degrees]: " + ", ".join(f"{angle:.3f}" for angle in np.degrees(result.angles)),
     )

@@ -1,0 +1,236 @@
+"""The surface of a report: cut where the set of cameras changes, so that every way to colour it is exact.
+
+One geometry serves all: a colouring is one byte for each of its triangles.
+"""
+
+import base64
+import gzip
+from dataclasses import dataclass
+
+import numpy as np
+import trimesh
+
+import exact
+from exact.show import UNCOUNTED_COLOUR, UNSEEN_COLOUR, colours
+
+# From this number of views on, colours are not told apart any more.
+MOST_SHADES = 8
+# Coordinates are whole multiples of the greatest extent over this: 1 µm for a site 60 mm wide.
+STEPS = 65535
+# Room around what is seen, in parts of its greatest extent.
+MARGIN = 0.06
+BOTH_COLOUR, GAINED_COLOUR, LOST_COLOUR, CLOSE_COLOUR = "#b9d3e6", "#1a7f5a", "#c65b1c", "#d9a0c0"
+SEEN_COLOUR, MISSED_COLOUR = "#4d9ac4", "#a9a39a"
+
+
+@dataclass(frozen=True)
+class Shade:
+    """One colour of a colouring: what it stands for, and how much of the surface has it [mm²].
+
+    No area is told of what no camera sees: most of it is the outside of the mesh, far from any field of view.
+    """
+
+    label: str
+    colour: str
+    area: float | None
+
+
+@dataclass(frozen=True, eq=False)
+class Colouring:
+    """One way to look at the surface.
+
+    Attributes
+    ----------
+    name : str
+        For the button.
+    caption : str
+    shades : tuple of Shade
+    shade : (N,) ndarray of uint8
+        Index into `shades` for each triangle.
+    """
+
+    name: str
+    caption: str
+    shades: tuple[Shade, ...]
+    shade: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """A surface with its colourings.
+
+    Attributes
+    ----------
+    vertices : (V, 3) ndarray of uint16
+        In steps of `step` from `origin`.
+    triangles : (N, 3) ndarray of uint32
+    origin : (3,) ndarray
+        [mm]
+    step : float
+        [mm]
+    frame : (3, 2) ndarray or None
+        Box around all that some camera sees, with a margin [mm]; None if none sees anything.
+    colourings : tuple of Colouring
+        The equidistant layout, the optimised one, their difference, then each camera of the optimised one.
+    camera_areas : (M,) ndarray
+        What each camera of the optimised layout sees [mm²].
+    """
+
+    vertices: np.ndarray
+    triangles: np.ndarray
+    origin: np.ndarray
+    step: float
+    frame: np.ndarray | None
+    colourings: tuple[Colouring, ...]
+    camera_areas: np.ndarray
+
+    def packed(self) -> str:
+        """Triangles, vertices and the shades of every colouring, little-endian, gzip, base64."""
+        shades = b"".join(colouring.shade.tobytes() for colouring in self.colourings)
+        return packed(self.triangles.astype("<u4").tobytes() + self.vertices.astype("<u2").tobytes() + shades)
+
+
+def packed(content: bytes) -> str:
+    """Compressed, as text that can stand in a page; the same content always gives the same text.
+
+    Examples
+    --------
+    >>> gzip.decompress(base64.b64decode(packed(b"abc")))
+    b'abc'
+    """
+    return base64.b64encode(gzip.compress(content, mtime=0)).decode("ascii")
+
+
+def scene(
+    mesh: trimesh.Trimesh,
+    ring: exact.Ring,
+    angles: np.ndarray,
+    threshold: int,
+    exclude: np.ndarray,
+    min_baseline: float = 0.0,
+    ring_area: float | None = None,
+) -> Scene:
+    """A layout on a mesh beside the equidistant one.
+
+    Parameters
+    ----------
+    mesh : trimesh.Trimesh
+    ring : exact.Ring
+    angles : (M,) ndarray
+        Ring angles [rad].
+    threshold : int
+    exclude : (F,) ndarray of bool
+        Faces that do not count.
+    min_baseline : float
+        Two of the cameras that see a point must be at least this far apart [mm].
+    ring_area : float, optional
+        Ring maximum, to tell fractions of it [mm²].
+
+    Examples
+    --------
+    >>> plate = trimesh.creation.box((10, 10, 2))
+    >>> made = scene(plate, exact.Ring(), np.array([0.0, np.pi]), 2, np.zeros(12, dtype=bool))
+    >>> [(colouring.name, len(colouring.shades)) for colouring in made.colourings]
+    [('equidistant', 3), ('optimised', 3), ('difference', 2), ('camera 1', 2), ('camera 2', 2)]
+    """
+    n = len(angles)
+    even, best = np.arange(2 * n) < n, np.arange(2 * n) >= n
+    both = np.concatenate([ring.equidistant(n), angles])
+    sets = exact.view_sets(mesh, ring.cameras(both), exclude)
+    far = ring.separations(both) >= min_baseline - 1e-9 * ring.diameter if min_baseline > 0 else None
+    met_even, met_best = sets.met(threshold, even, far), sets.met(threshold, best, far)
+    vertices, triangles, of, nowhere, origin, step = _geometry(mesh, sets, exclude)
+    areas = np.concatenate([sets.areas, nowhere])
+    seen = np.concatenate([sets.seen, np.zeros((2, 2 * n), dtype=bool)])
+    never = np.zeros(2, dtype=bool)
+    met_even, met_best = np.concatenate([met_even, never]), np.concatenate([met_best, never])
+
+    def colouring(name: str, caption: str, kind: np.ndarray, table: list[tuple[str, str]], unseen: int) -> Colouring:
+        """`kind` (S + 2,) is the row of `table` for each set, the last set what does not count.
+
+        Of the row `unseen` no area is told.
+        """
+        kind = kind.copy()
+        kind[-1] = len(table)
+        area = np.bincount(kind, weights=areas, minlength=len(table) + 1)
+        rows = [*table, ("not counted", UNCOUNTED_COLOUR)]
+        used = np.unique(kind[of])
+        shades = []
+        for row in used.tolist():
+            told = row not in (unseen, len(table))
+            shades.append(Shade(rows[row][0], rows[row][1], float(area[row]) if told else None))
+        return Colouring(name, caption, tuple(shades), np.searchsorted(used, kind)[of].astype(np.uint8))
+
+    def views(name: str, cameras: np.ndarray, met: np.ndarray) -> Colouring:
+        shades = max(threshold, min(n, MOST_SHADES))
+        palette = colours(shades, threshold)
+        table = [(_views_words(count, shades, n, threshold), _hex(palette[count])) for count in range(shades + 1)]
+        count = np.minimum(seen[:, cameras].sum(axis=1), shades)
+        table.append(("seen by enough cameras, but too close together", CLOSE_COLOUR))
+        kind = np.where((count >= threshold) & ~met, shades + 1, count)
+        area = float(areas[met].sum())
+        part = f", {100 * area / ring_area:.2f} % of the ring maximum" if ring_area else ""
+        return colouring(name, f"{name}: {area:.2f} mm² reconstructable{part}", kind, table, unseen=0)
+
+    gained, lost = float(areas[met_best & ~met_even].sum()), float(areas[met_even & ~met_best].sum())
+    difference = colouring(
+        "difference",
+        f"The optimised layout gains {gained:.2f} mm² and loses {lost:.2f} mm²: {gained - lost:+.2f} mm².",
+        np.select([met_even & met_best, met_best, met_even], [0, 1, 2], 3),
+        [
+            ("reconstructable with both", BOTH_COLOUR), ("with the optimised layout only", GAINED_COLOUR),
+            ("with the equidistant one only", LOST_COLOUR), ("with neither", UNSEEN_COLOUR),
+        ],
+        unseen=3,
+    )  # fmt: skip
+    camera_areas = areas @ seen[:, n:]
+    single = [
+        colouring(
+            f"camera {number}",
+            f"Camera {number} at {np.degrees(angle):.1f}° sees {camera_areas[number - 1]:.2f} mm².",
+            np.where(seen[:, n + number - 1], 1, 0),
+            [("not seen by this camera", MISSED_COLOUR), ("seen by this camera", SEEN_COLOUR)],
+            unseen=0,
+        )
+        for number, angle in enumerate(angles, start=1)
+    ]
+    layouts = [views("equidistant", even, met_even), views("optimised", best, met_best)]
+    shown = vertices[triangles[np.asarray(seen.any(axis=1))[of]].reshape(-1)]
+    frame = None
+    if len(shown):
+        box = origin[:, None] + step * np.stack([shown.min(axis=0), shown.max(axis=0)], axis=1)
+        frame = box + MARGIN * np.ptp(box, axis=1).max() * np.array([-1.0, 1.0])
+    return Scene(vertices, triangles, origin, step, frame, (*layouts, difference, *single), camera_areas)
+
+
+def _geometry(mesh: trimesh.Trimesh, sets: exact.ViewSets, exclude: np.ndarray):
+    """Vertices in steps, triangles, the set of each, areas of what is in none [mm²], origin and step [mm].
+
+    After the sets come the empty one and what does not count.
+    """
+    parts = sets.to_mesh()
+    left_out = np.asarray(mesh.faces)[exclude] + len(parts.vertices)
+    points = np.concatenate([parts.vertices, mesh.vertices])
+    triangles = np.concatenate([parts.faces, left_out])
+    own = np.asarray(parts.face_attributes["set"])
+    empty = len(sets.seen)
+    of = np.concatenate([np.where(own < 0, empty, own), np.full(len(left_out), empty + 1)])
+    nowhere = np.array([parts.area_faces[own < 0].sum(), mesh.area_faces[exclude].sum()])
+    origin = mesh.bounds[0]
+    step = float(np.ptp(mesh.bounds, axis=0).max()) / STEPS
+    vertices, index = np.unique(np.round((points - origin) / step), axis=0, return_inverse=True)
+    triangles = index.reshape(-1)[triangles]
+    flat = (triangles == np.roll(triangles, 1, axis=1)).any(axis=1)  # slivers narrower than a step
+    triangles, of = triangles[~flat], of[~flat]
+    used, index = np.unique(triangles, return_inverse=True)
+    return vertices[used].astype(np.uint16), index.reshape(-1, 3).astype(np.uint32), of, nowhere, origin, step
+
+
+def _views_words(count: int, shades: int, n_cameras: int, threshold: int) -> str:
+    more = " or more" if count == shades < n_cameras else ""
+    cameras = f"{count or 'no'}{more} camera{'' if count == 1 and not more else 's'}" if count else "no camera"
+    return f"seen by {cameras}{' (too few)' if 0 < count < threshold else ''}"
+
+
+def _hex(colour: np.ndarray) -> str:
+    return "#" + "".join(f"{round(255 * part):02x}" for part in colour.tolist())
