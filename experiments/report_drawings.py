@@ -151,8 +151,8 @@ class Chart:
         )
 
 
-def _within(ticks: np.ndarray, limits: tuple[float, float]) -> list[float]:
-    return ticks[(ticks >= limits[0] - 1e-12) & (ticks <= limits[1] + 1e-12)].tolist()
+def _within(ticks: Sequence[float], limits: tuple[float, float]) -> list[float]:
+    return [float(tick) for tick in ticks if limits[0] - 1e-12 <= tick <= limits[1] + 1e-12]
 
 
 def histogram_drawing(layouts: Sequence[tuple[str, np.ndarray, np.ndarray]]) -> dict | None:
