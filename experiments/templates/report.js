@@ -33,7 +33,7 @@ async function start() {
     k: column(corners, scene.n_triangles, 2), intensity: Array.from(shadesOf(0)), intensitymode: "cell",
     colorscale: bands(scene.colourings[0].shades), cmin: -0.5, cmax: scene.colourings[0].shades.length - 0.5,
     showscale: false, hoverinfo: "skip", flatshading: true,
-    lighting: { ambient: 0.86, diffuse: 0.3, specular: 0.02, roughness: 0.9, fresnel: 0 },
+    lighting: { ambient: 0.86, diffuse: 0.3, specular: 0.02, roughness: 0.9, fresnel: 0, facenormalsepsilon: 0, vertexnormalsepsilon: 0 },
     lightposition: { x: 20000, y: -30000, z: 60000 },
   };
   const axis = (name, at) => ({
