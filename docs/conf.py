@@ -28,6 +28,7 @@ html_static_path = ["_static"]
 html_css_files = ["page.css"]
 html_math_renderer = "mathml"
 html_show_sphinx = False
+html_show_copyright = False
 html_copy_source = False
 html_show_sourcelink = False
 
@@ -37,13 +38,14 @@ nb_execution_mode = "off"  # the tutorial is stored as it ran; a test runs it ag
 copybutton_prompt_text = r">>> |\.\.\. |\$ "
 copybutton_prompt_is_regexp = True
 
+smartquotes = False  # it makes one dash of the two before an option
 default_role = "py:obj"
 napoleon_google_docstring = False
 napoleon_use_rtype = False
 napoleon_use_ivar = True
 autodoc_typehints = "none"  # the docstrings tell types together with shapes
 autodoc_member_order = "bysource"
-autodoc_default_options = {"members": True, "show-inheritance": False}
+autodoc_default_options = {"members": True}
 toc_object_entries_show_parents = "hide"
 
 
@@ -59,6 +61,8 @@ def write_generated_pages(app: Sphinx) -> None:
     command = [sys.executable, "-m", "typer", "experiments.cli", "utils", "docs", "--name", "camring"]
     written = subprocess.run(command, check=True, capture_output=True, text=True, encoding="utf-8").stdout
     head = "# Every command and option\n\nAs `camring --help` and `camring optimise --help` say it, too.\n\n"
+    written = re.sub(r"^Example: (camring .+)$", r"Example: `\1`", written, flags=re.M)
+    written = re.sub(r"\[default: \((.+)\)\]$", r"[default: \1]", written, flags=re.M)
     commands = head + written.split("\n", 1)[1].strip() + "\n"
     settings = (
         "# Every key of a rig file\n\nWhat `camring rig init` writes. All keys have defaults and may be left out.\n\n"
