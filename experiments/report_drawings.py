@@ -162,7 +162,7 @@ def histogram_drawing(layouts: Sequence[tuple[str, np.ndarray, np.ndarray]]) -> 
     --------
     >>> drawn = histogram_drawing([("one", np.array([1.0, 3.0]), np.array([1.0, 3.0]))])
     >>> len(drawn["series"]), drawn["y_ticks"][-1][1]
-    (1, '75 %')
+    (1, '60 %')
     >>> histogram_drawing([("none", np.zeros(0), np.zeros(0))]) is None
     True
     """

@@ -27,17 +27,22 @@ async function start() {
   const along = (at) => column(steps, scene.n_vertices, at).map((step) => scene.origin[at] + scene.step * step);
   const shadesOf = (number) => shades.subarray(number * scene.n_triangles, (number + 1) * scene.n_triangles);
   const plot = document.getElementById("plot");
+  /* Without the least sizes of normals, which leave dark flecks where triangles are small. */
   const mesh = {
     type: "mesh3d", x: along(0), y: along(1), z: along(2),
     i: column(corners, scene.n_triangles, 0), j: column(corners, scene.n_triangles, 1),
     k: column(corners, scene.n_triangles, 2), intensity: Array.from(shadesOf(0)), intensitymode: "cell",
     colorscale: bands(scene.colourings[0].shades), cmin: -0.5, cmax: scene.colourings[0].shades.length - 0.5,
     showscale: false, hoverinfo: "skip", flatshading: true,
-    lighting: { ambient: 0.86, diffuse: 0.3, specular: 0.02, roughness: 0.9, fresnel: 0, facenormalsepsilon: 0, vertexnormalsepsilon: 0 },
+    lighting: {
+      ambient: 0.86, diffuse: 0.3, specular: 0.02, roughness: 0.9, fresnel: 0, facenormalsepsilon: 0,
+      vertexnormalsepsilon: 0,
+    },
     lightposition: { x: 20000, y: -30000, z: 60000 },
   };
   const axis = (name, at) => ({
-    ...(scene.frame ? { range: scene.frame[at] } : {}), nticks: 6, title: { text: name + " [mm]" }, showspikes: false, showbackground: false, gridcolor: "#dfe3e7", zeroline: false,
+    ...(scene.frame ? { range: scene.frame[at] } : {}), nticks: 6, title: { text: name + " [mm]" },
+    showspikes: false, showbackground: false, gridcolor: "#dfe3e7", zeroline: false,
   });
   await Plotly.newPlot(plot, [mesh], {
     margin: { l: 0, r: 0, t: 0, b: 0 }, paper_bgcolor: "rgba(0,0,0,0)",
