@@ -1,6 +1,9 @@
 """What a request to the evaluator may be; everything else is refused before any work is done."""
 
+import math
+import sys
 from collections.abc import Sequence
+from numbers import Real
 
 import numpy as np
 
@@ -11,9 +14,20 @@ from exact.errors import ExactError
 SAME_LENGTH = 1e-12
 
 
+def is_whole(number) -> bool:
+    """Whether it is a whole number: of any type, and neither nan nor infinite.
+
+    Examples
+    --------
+    >>> is_whole(2), is_whole(2.0), is_whole(2.5), is_whole(float("nan")), is_whole("2")
+    (True, True, False, False, False)
+    """
+    return isinstance(number, Real) and -math.inf < number < math.inf and number == int(number)
+
+
 def checked_threshold(threshold: int, n_cameras: int) -> int:
     """`threshold` as an int, if that many of `n_cameras` can see a point."""
-    if int(threshold) != threshold or not 1 <= threshold <= n_cameras:
+    if not (is_whole(threshold) and 1 <= threshold <= n_cameras):
         raise ExactError(
             f"threshold is {threshold} with {n_cameras} cameras; it must be a whole number from 1 to the number of "
             "cameras: add cameras or lower the threshold"
@@ -23,14 +37,14 @@ def checked_threshold(threshold: int, n_cameras: int) -> int:
 
 def checked_workers(workers: int) -> int:
     """Number of processes as an int, at least 1."""
-    if int(workers) != workers or workers < 1:
+    if not (is_whole(workers) and workers >= 1):
         raise ExactError(f"workers is {workers}; it must be a whole number, at least 1")
     return int(workers)
 
 
 def far_apart(cameras: Sequence[Camera], min_baseline: float) -> np.ndarray | None:
     """(M, M) bool: pairs of cameras at least `min_baseline` [mm] apart; None for 0, where any pair will do."""
-    if not (np.isfinite(min_baseline) and min_baseline >= 0):
+    if not 0 <= min_baseline <= sys.float_info.max:  # written so that nan is refused
         raise ExactError(f"min_baseline is {min_baseline}; it must be finite and at least 0 [mm]")
     if min_baseline == 0:
         return None

@@ -1,6 +1,7 @@
 """What a layout must respect: room between housings, baselines, fixed cameras, forbidden arcs."""
 
 import math
+import sys
 from dataclasses import dataclass
 
 import numpy as np
@@ -56,7 +57,8 @@ class Constraints:
     def __post_init__(self):
         for name, unit in (("min_separation", "mm"), ("min_baseline", "mm"), ("min_angle", "rad")):
             value = getattr(self, name)
-            if not (isinstance(value, int | float | np.number) and np.isfinite(value) and value >= 0):
+            # Written so that nan is refused, and a whole number that no float can hold.
+            if not (isinstance(value, int | float | np.number) and 0 <= value <= sys.float_info.max):
                 raise PlacementError(f"{name} is {value!r}; it must be a number, at least 0 [{unit}]")
         try:
             fixed = tuple(float(angle) for angle in self.fixed)
