@@ -104,9 +104,10 @@ def unite(group: np.ndarray, polygon: np.ndarray):
     together = np.asarray(shapely.multipolygons(parts, indices=group[owner]))
     expected = np.bincount(group, weights=shapely.area(polygon))
     united = np.asarray(shapely.union_all(together[:, None], axis=1))
-    wrong = np.abs(shapely.area(united) - expected) > FILL_TOLERANCE
+    # Slivers whose area is rounding may come back as nothing at all, which no point speaks for.
+    wrong = (np.abs(shapely.area(united) - expected) > FILL_TOLERANCE) | shapely.is_empty(united)
     united[wrong] = shapely.union_all(together[wrong, None], axis=1, grid_size=GRID_SIZE)
-    failed = np.abs(shapely.area(united) - expected) > FILL_TOLERANCE
+    failed = (np.abs(shapely.area(united) - expected) > FILL_TOLERANCE) | shapely.is_empty(united)
     united[failed] = together[failed]
     return united, failed, int(wrong.sum())
 

@@ -6,6 +6,7 @@ import trimesh
 from scenes import AWKWARD, above
 
 import exact
+import meshes
 
 
 def test_a_union_that_geos_gets_wrong_is_noticed():
@@ -34,3 +35,13 @@ def test_nearly_coplanar_faces_hide_each_other_once(offset, seed):
     seen = exact.evaluate(mesh, [above(fov=(90, 90))], threshold=1).area
     # A strip as wide as the offset, wider on a face seen at a slant, is seen of both.
     assert seen == pytest.approx(one.area, abs=100 * offset / one.face_normals[0, 2])
+
+
+@pytest.mark.parametrize("places", [(3.01941960595019, 4.6774823953448035), (1.4660765716752369, 6.19591884457987)])
+def test_two_cameras_in_each_of_two_places(places):
+    """Slivers between views from the same place came back from a union as nothing, and had no point to ask."""
+    mesh, ring = meshes.site("circ_angled", depth=50), exact.Ring()
+    top = meshes.top_surface(mesh)
+    twice = exact.evaluate(mesh, ring.cameras(np.repeat(places, 2)), 2, top)
+    once = exact.evaluate(mesh, ring.cameras(places), 1, top)
+    assert twice.area == pytest.approx(once.area, rel=1e-9)
