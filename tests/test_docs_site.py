@@ -1,5 +1,6 @@
 """The documentation builds without a warning, loads nothing from a network, and leaves out nothing public."""
 
+import json
 import re
 import subprocess
 import sys
@@ -14,6 +15,8 @@ import meshes
 import placement
 
 ROOT = Path(__file__).parent.parent
+TUTORIAL = ROOT / "docs" / "tutorial.ipynb"
+LARGEST_TUTORIAL = 500_000  # bytes, with its pictures: it is kept in the history
 # What a browser fetches by itself, element by element. A link that the reader may follow is not among them.
 FETCHED = {"script": "src", "link": "href", "img": "src", "iframe": "src", "source": "src", "use": "href"}
 
@@ -85,6 +88,19 @@ def test_every_public_name_is_in_the_reference(site, package):
 def test_commands_and_settings_are_those_of_the_program(site):
     _, folder = site
     commands = (folder / "commands.html").read_text(encoding="utf-8")
-    for words in ("camring optimise", "camring rig init", "forbidden-deg"):
+    for words in ('id="camring-optimise"', 'id="camring-rig-init"', "--forbidden-deg"):
         assert words in commands
     assert "min_separation" in (folder / "rig_file.html").read_text(encoding="utf-8")
+
+
+def test_tutorial_runs_as_it_is_stored(tmp_path):
+    stored = json.loads(TUTORIAL.read_text(encoding="utf-8"))
+    assert TUTORIAL.stat().st_size < LARGEST_TUTORIAL
+    command = [sys.executable, "-m", "jupyter", "execute", f"--output={tmp_path / 'again.ipynb'}", str(TUTORIAL)]
+    run = subprocess.run(command, capture_output=True, text=True)
+    assert run.returncode == 0, run.stderr
+    again = json.loads((tmp_path / "again.ipynb").read_text(encoding="utf-8"))
+    for then, now in zip(stored["cells"], again["cells"], strict=True):
+        assert [output["output_type"] for output in then.get("outputs", ())] == [
+            output["output_type"] for output in now.get("outputs", ())
+        ]
