@@ -99,7 +99,7 @@ def _savings(found: Sequence[Saving]) -> Figure:
         ax.grid(axis="x", color="0.92")
         ax.set_axisbelow(True)
     axes[0].set_yticks(range(len(names)), names)
-    axes[0].invert_yaxis()
+    axes[0].set_ylim(len(names) - 0.5, -0.5)
     handles = {label: handle for ax in axes for handle, label in zip(*ax.get_legend_handles_labels(), strict=True)}
     figure.legend(handles.values(), handles.keys(), loc="outside upper center", ncols=2, frameon=False)
     return figure
