@@ -15,7 +15,6 @@ Lengths in millimetres, angles in radians, right-handed axes, float64.
 """
 
 from dataclasses import dataclass, field
-from numbers import Real
 
 import numpy as np
 
@@ -294,7 +293,8 @@ class Ring:
         >>> np.degrees(Ring().equidistant(4)).tolist()
         [90.0, 180.0, 270.0, 360.0]
         """
-        if not (isinstance(n_cameras, Real) and 1 <= n_cameras < np.inf and int(n_cameras) == n_cameras):
+        is_number = isinstance(n_cameras, int | float | np.number)
+        if not (is_number and 1 <= n_cameras < np.inf and int(n_cameras) == n_cameras):
             raise ExactError(f"number of cameras is {n_cameras}; it must be a whole number, at least 1")
         if n_cameras > MOST_CAMERAS:
             raise ExactError(f"number of cameras is {n_cameras}; it must be at most {MOST_CAMERAS}")

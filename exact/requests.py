@@ -3,7 +3,6 @@
 import math
 import sys
 from collections.abc import Sequence
-from numbers import Real
 
 import numpy as np
 
@@ -22,7 +21,7 @@ def is_whole(number) -> bool:
     >>> is_whole(2), is_whole(2.0), is_whole(2.5), is_whole(float("nan")), is_whole("2")
     (True, True, False, False, False)
     """
-    return isinstance(number, Real) and -math.inf < number < math.inf and number == int(number)
+    return bool(isinstance(number, int | float | np.number) and -math.inf < number < math.inf and number == int(number))
 
 
 def checked_threshold(threshold: int, n_cameras: int) -> int:

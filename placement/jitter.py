@@ -1,7 +1,5 @@
 """Pose variants of a site, for an instrument that is never exactly where it should be."""
 
-from numbers import Real
-
 import numpy as np
 import trimesh
 
@@ -57,7 +55,7 @@ def jitter(
         raise PlacementError(f"tilt_deg is {tilt_deg}; it must be from 0 to 90 [degrees]")
     if not (np.isfinite(shift_mm) and shift_mm >= 0):
         raise PlacementError(f"shift_mm is {shift_mm}; it must be finite and at least 0 [mm]")
-    if not (isinstance(n, Real) and 1 <= n < np.inf and int(n) == n):
+    if not (isinstance(n, int | float | np.number) and 1 <= n < np.inf and int(n) == n):
         raise PlacementError(f"number of poses is {n}; it must be a whole number, at least 1")
     rng = np.random.default_rng(checked_seed(seed))
     poses = [mesh.copy()]
