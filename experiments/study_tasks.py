@@ -137,7 +137,7 @@ def equidistant(site: Sequence, detail: str, counts: Sequence[int]) -> dict[str,
     >>> from experiments.paper_cases import Case
     >>> site = ["circ_flat", 50, Case("circ_flat", 50, "36x24").mesh_hash("coarse")]
     >>> [round(fraction, 2) for fraction in equidistant(site, "coarse", [2, 4])["fractions"]]
-    [0.5, 0.92]
+    [0.64, 1.0]
     """
     name, depth, mesh_hash = site
     mesh, ring = site_mesh(name, depth, detail, mesh_hash), exact.Ring()
