@@ -15,9 +15,8 @@ from experiments.paper_picture_figures import FIGURES, write_picture_figure
 from experiments.paper_pictures import picture_tasks, read_picture, write_picture
 from experiments.paper_report import write_report
 from experiments.paper_tables import TABLES, cases_of, entries, write_table
-from experiments.progress import progress_tasks
 from experiments.published import CAMERA_COUNTS
-from experiments.sweep import on_disk, pool_for, sweep
+from experiments.sweep import shown_sweep
 from experiments.sweep_record import write_record
 from experiments.terminal import note
 
@@ -53,15 +52,7 @@ def _compute(quick: bool, detail: str, scheduler: str | None, out: Path, force: 
     chosen, counts = cases(quick), QUICK_COUNTS if quick else CAMERA_COUNTS
     of_areas, of_pictures = area_tasks(chosen, counts, detail), picture_tasks(chosen, counts, detail)
     tasks = of_areas + of_pictures
-    done = on_disk(tasks, out / TASKS)
-    pool = pool_for(scheduler)
-    at_once = True
-    try:
-        with progress_tasks("paper", {task.name: task.cost for task in tasks}, done) as progress:
-            outcomes = sweep(tasks, out / TASKS, pool, lambda task, _: progress(task.name))
-        at_once = False
-    finally:
-        pool.close(at_once)
+    outcomes, pool, n_resumed = shown_sweep("paper", tasks, out / TASKS, scheduler)
     areas = area_rows(chosen, counts, outcomes[: len(of_areas)])
     write_areas(out / AREAS, areas)
     for case, outcome in zip(chosen, outcomes[len(of_areas) :], strict=True):
@@ -74,9 +65,7 @@ def _compute(quick: bool, detail: str, scheduler: str | None, out: Path, force: 
         "seeds": "none: nothing is drawn at random",
     }  # fmt: skip
     hashes = {f"{case.site} {case.depth} {detail}": case.mesh_hash(detail) for case in chosen}
-    write_record(
-        out / RECORD, settings, hashes, tasks, outcomes, pool.description, time.monotonic() - started, len(done)
-    )
+    write_record(out / RECORD, settings, hashes, tasks, outcomes, pool, time.monotonic() - started, n_resumed)
     return [outcome.failure for outcome in outcomes if outcome.failure]
 
 

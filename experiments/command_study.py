@@ -7,11 +7,10 @@ from pathlib import Path
 import meshes
 from experiments.errors import InputError
 from experiments.files import output_folder
-from experiments.progress import progress_tasks
 from experiments.study_report import write_report
 from experiments.study_rows import EquidistantRow, LayoutRow, equidistant_rows, layout_row, read_rows, write_rows
 from experiments.study_tasks import CERTIFICATE_SECONDS, PHASES, Plan, study_tasks
-from experiments.sweep import on_disk, pool_for, sweep
+from experiments.sweep import shown_sweep
 from experiments.sweep_record import write_record
 from experiments.terminal import note
 
@@ -45,15 +44,7 @@ def _compute(plan: Plan, quick: bool, scheduler: str | None, out: Path, force: b
     output_folder(out, [RECORD], force)
     named = study_tasks(plan)
     tasks = [task for _, task in named]
-    done = on_disk(tasks, out / TASKS)
-    pool = pool_for(scheduler)
-    at_once = True
-    try:
-        with progress_tasks("study", {task.name: task.cost for task in tasks}, done) as progress:
-            outcomes = sweep(tasks, out / TASKS, pool, lambda task, _: progress(task.name))
-        at_once = False
-    finally:
-        pool.close(at_once)
+    outcomes, pool, n_resumed = shown_sweep("study", tasks, out / TASKS, scheduler)
     layouts, even = [], []
     for (about, _), outcome in zip(named, outcomes, strict=True):
         if about["part"] == "equidistant":
@@ -71,7 +62,5 @@ def _compute(plan: Plan, quick: bool, scheduler: str | None, out: Path, force: b
         f"{site} {depth} {plan.detail}": meshes.EXPECTED[site, float(depth), plan.detail].fingerprint
         for site, depth in plan.sites
     }
-    write_record(
-        out / RECORD, settings, hashes, tasks, outcomes, pool.description, time.monotonic() - started, len(done)
-    )
+    write_record(out / RECORD, settings, hashes, tasks, outcomes, pool, time.monotonic() - started, n_resumed)
     return [outcome.failure for outcome in outcomes if outcome.failure]

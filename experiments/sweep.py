@@ -12,6 +12,7 @@ from pathlib import Path
 
 from experiments.errors import InputError
 from experiments.files import output_folder, written_whole
+from experiments.progress import progress_tasks
 from experiments.sweep_pool import ClusterPool, LocalPool, Pool
 from experiments.sweep_task import Outcome, Task, perform
 
@@ -103,6 +104,32 @@ def sweep(
         # Which of those that were running has ended a worker, nobody knows: from here on each is tried alone.
         places = 1
     return [outcomes[task.name] for task in tasks]
+
+
+def shown_sweep(
+    what: str, tasks: Sequence[Task], folder: Path, scheduler: str | None
+) -> tuple[list[Outcome], str, int]:
+    """Do a `sweep` with a bar that says `what`, on a pool of its own, as `pool_for` gives it.
+
+    Returns
+    -------
+    list of Outcome
+        In the order of the tasks.
+    str
+        Where they were done.
+    int
+        How many the folder held before.
+    """
+    done = on_disk(tasks, folder)
+    pool = pool_for(scheduler)
+    at_once = True
+    try:
+        with progress_tasks(what, {task.name: task.cost for task in tasks}, done) as progress:
+            outcomes = sweep(tasks, folder, pool, lambda task, _: progress(task.name))
+        at_once = False
+    finally:
+        pool.close(at_once)
+    return outcomes, pool.description, len(done)
 
 
 def _try(
