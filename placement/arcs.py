@@ -13,7 +13,7 @@ import exact
 from exact.cameras import MOST_CAMERAS
 from placement.constraints import GAP_MARGIN, LENGTH_TOLERANCE, Constraints, offered
 from placement.errors import PlacementError
-from placement.layout import Arcs, arcs_from_angles, gaps_from_angles
+from placement.layout_parameters import Arcs, arcs_from_angles, gaps_from_angles
 from placement.open_arcs import TURN, greatest_separation, most_cameras, open_arcs, widest_pair
 
 
@@ -224,4 +224,4 @@ def _tightened(arcs: np.ndarray, gap: float, fixed: tuple[float, ...]) -> Arcs |
         lower = np.maximum.accumulate(lower)
     if (lower > upper).any() or slack < 0:
         return None
-    return Arcs(lower, upper.copy(), np.asarray(slack), np.asarray(fixed, dtype=np.float64))  # pyright: ignore[reportArgumentType]
+    return Arcs(lower, upper.copy(), np.asarray(slack), np.asarray(fixed, dtype=np.float64))

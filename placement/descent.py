@@ -9,7 +9,8 @@ import numpy as np
 import optimistix as optx
 from jaxtyping import Bool, Float, Int
 
-from placement.layout import Arcs, angles_from_arcs, angles_from_gaps
+from placement.layout import angles_from_arcs, angles_from_gaps
+from placement.layout_parameters import Arcs
 from placement.soft_coverage import soft_coverage
 from placement.surrogate import Surrogate
 
@@ -48,7 +49,7 @@ def descend(
     Parameters
     ----------
     parameters : (S, P) ndarray
-        Starts, as `layout.gaps_from_angles` or, with `arcs`, `layout.arcs_from_angles` give them.
+        Starts, as `layout_parameters.gaps_from_angles` or, with `arcs`, `arcs_from_angles` give them.
     arcs : Arcs or None
         Arcs of each start, stacked along a first axis of length S; None for the map by gaps.
     surrogate : Surrogate
@@ -65,7 +66,7 @@ def descend(
     DescentEnd
         A failed start comes back as it was, marked.
     """
-    arcs = None if arcs is None else Arcs(*(jnp.asarray(field) for field in arcs))
+    arcs = jax.tree.map(jnp.asarray, arcs)
     start = jnp.asarray(parameters)
     gap = jnp.asarray(minimum_gap)
     ends = _descend(start, arcs, gap, surrogate.points, jnp.asarray(temperatures), surrogate.threshold, int(max_steps))

@@ -1,14 +1,18 @@
 """Candidates: soft descent from many starts, then moves of one and two cameras on the samples; the distinct ends."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from placement.arcs import LayoutSpace
-from placement.descent import DescentEnd, descend
-from placement.layout import Arcs
+from placement.layout_parameters import Arcs
 from placement.problem import Problem
 from placement.scoring import distinct
 from placement.settings import Settings
 from placement.surrogate import Surrogate
+
+if TYPE_CHECKING:
+    from placement.descent import DescentEnd
 
 
 def search(problem: Problem, space: LayoutSpace) -> tuple[list[np.ndarray], dict[str, int]]:
@@ -33,11 +37,13 @@ def search(problem: Problem, space: LayoutSpace) -> tuple[list[np.ndarray], dict
     return kept, dict(n_starts=len(starts), n_failed=n_failed, n_flat=n_flat, n_distinct=len(kept))
 
 
-def _descended(starts: list[np.ndarray], surrogate: Surrogate, space: LayoutSpace, settings: Settings) -> DescentEnd:
+def _descended(starts: list[np.ndarray], surrogate: Surrogate, space: LayoutSpace, settings: Settings) -> "DescentEnd":
+    from placement.descent import descend  # JAX takes a second to import, and what does not search needs none
+
     parameters, arcs = zip(*(space.parameters(start) for start in starts), strict=True)
     stacked = None
     if not space.is_whole:
-        stacked = Arcs(*(np.stack([getattr(a, name) for a in arcs]) for name in Arcs._fields))  # pyright: ignore[reportArgumentType]
+        stacked = Arcs(*(np.stack([getattr(a, name) for a in arcs]) for name in Arcs._fields))
     return descend(
         np.stack(parameters),
         stacked,

@@ -8,9 +8,12 @@ this becomes the true coverage of the samples.
 
 from typing import NamedTuple
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
+
+import placement.double_precision  # noqa: F401 - angles to 1e-9 rad
 
 # Width of the soft minimum over several sites, in fractions: what differs by less counts about alike.
 SOFT_MINIMUM = 0.01
@@ -23,6 +26,14 @@ class Baseline(NamedTuple):
     """Ring diameter [mm]."""
     minimum: Float[Array, ""]
     """Least chord between the two [mm]."""
+
+
+class Points(NamedTuple):
+    """What soft coverage needs of the points; a pytree, so that new values do not compile again."""
+
+    signed_distance: Float[Array, "K N"]
+    weights: Float[Array, "S N"]
+    baseline: Baseline | None
 
 
 def signed_distances(angles: Float[Array, " M"], signed_distance: Float[Array, "K N"]) -> Float[Array, "M N"]:
@@ -145,3 +156,9 @@ def soft_coverage(
     if sums.shape[0] == 1:
         return sums[0]
     return -SOFT_MINIMUM * jax.nn.logsumexp(-sums / SOFT_MINIMUM)
+
+
+@eqx.filter_jit
+def compiled_coverage(angles, points: Points, temperature, threshold: int):
+    """`soft_coverage` of the points, compiled once for each shape of them and each threshold."""
+    return soft_coverage(angles, points.signed_distance, points.weights, temperature, threshold, points.baseline)

@@ -1,25 +1,20 @@
-"""What the optimiser maximises: the soft coverage of one or several sites, ready for JAX."""
+"""What the optimiser maximises: the soft coverage of one or several sites, ready for JAX.
 
-from typing import NamedTuple
+JAX takes a second to import, so it is only when points or a value are asked for.
+"""
 
-import equinox as eqx
-import jax.numpy as jnp
+from functools import cached_property
+from typing import TYPE_CHECKING
+
 import numpy as np
-from jaxtyping import Array, Float
 
 from placement.profiles import RingProfiles
-from placement.soft_coverage import Baseline, soft_coverage
+
+if TYPE_CHECKING:
+    from placement.soft_coverage import Points
 
 # The number of points is rounded up to a multiple of this.
 POINTS_PER_STEP = 1024
-
-
-class Points(NamedTuple):
-    """What soft coverage needs of the points; a pytree, so that new values do not compile again."""
-
-    signed_distance: Float[Array, "K N"]
-    weights: Float[Array, "S N"]
-    baseline: Baseline | None
 
 
 class Surrogate:
@@ -44,22 +39,31 @@ class Surrogate:
 
     def __init__(self, profiles: RingProfiles, threshold: int, diameter: float = 1.0, min_baseline: float = 0.0):
         self.threshold = int(threshold)
+        self._profiles, self._diameter, self._min_baseline = profiles, float(diameter), float(min_baseline)
+
+    @cached_property
+    def points(self) -> "Points":
+        """The points as arrays of JAX."""
+        import jax.numpy as jnp
+
+        from placement.soft_coverage import Baseline, Points
+
+        profiles = self._profiles
         weights = np.zeros((profiles.n_sites, len(profiles.weights)))
         weights[profiles.site, np.arange(len(profiles.site))] = profiles.weights
         # Points without weight fill up to a round number: other sites and seeds then use what is already compiled.
         spare = ((0, 0), (0, -len(profiles.weights) % POINTS_PER_STEP))
-        baseline = Baseline(jnp.asarray(float(diameter)), jnp.asarray(float(min_baseline)))
-        self.points = Points(
+        baseline = Baseline(jnp.asarray(self._diameter), jnp.asarray(self._min_baseline))
+        return Points(
             jnp.asarray(np.pad(profiles.signed_distance, spare)),
             jnp.asarray(np.pad(weights, spare)),
-            baseline if min_baseline > 0 else None,
+            baseline if self._min_baseline > 0 else None,
         )
 
     def at(self, angles, temperature: float) -> float:
         """Soft coverage of a layout of (M,) ring angles [rad] at a temperature [rad]."""
-        return float(_coverage(jnp.asarray(angles), self.points, jnp.asarray(temperature), self.threshold))
+        import jax.numpy as jnp
 
+        from placement.soft_coverage import compiled_coverage
 
-@eqx.filter_jit
-def _coverage(angles, points: Points, temperature, threshold: int):
-    return soft_coverage(angles, points.signed_distance, points.weights, temperature, threshold, points.baseline)
+        return float(compiled_coverage(jnp.asarray(angles), self.points, jnp.asarray(temperature), self.threshold))

@@ -29,21 +29,26 @@ def commands(command=None, words=()):
 COMMANDS = commands()
 
 
-def test_help_imports_nothing_heavy():
-    asked = [["--help"], *([*words, "--help"] for words in COMMANDS)]
+def imported(folder, *commands):
+    """What a process prints that runs these commands of camring, and the packages it has imported."""
     program = f"""
 import json, sys
 from experiments.cli import main
-for arguments in {asked!r}:
+for arguments in {[list(words) for words in commands]!r}:
     try:
         main(arguments)
     except SystemExit as end:
         assert not end.code, arguments
 print(json.dumps(sorted({{name.split(".")[0] for name in sys.modules}})))
 """
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
-    assert "Usage: camring optimise" in done.stdout
-    assert not HEAVY & set(json.loads(done.stdout.splitlines()[-1]))
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True, cwd=folder)
+    return done.stdout, set(json.loads(done.stdout.splitlines()[-1]))
+
+
+def test_help_imports_nothing_heavy(tmp_path):
+    said, packages = imported(tmp_path, ["--help"], *([*words, "--help"] for words in COMMANDS))
+    assert "Usage: camring optimise" in said
+    assert not HEAVY & packages
 
 
 def examples(words):
@@ -69,6 +74,20 @@ def desk(tmp_path_factory, quick_search):
         text = json.dumps(content | {"angles_deg": angles})
         (folder / name / "layout.json").write_text(text, encoding="utf-8")
     return folder
+
+
+def test_what_does_not_search_does_not_import_jax(desk):
+    layouts, mesh = ("a/layout.json", "b/layout.json"), ("--mesh", "scan.stl")
+    _, packages = imported(
+        desk,
+        ("evaluate", "scan.stl", "--cameras", "3", "--json"),
+        ("compare", *layouts, *mesh),
+        ("export", layouts[0], "--format", ",".join(cli.FORMATS), *mesh, "--out", "exported"),
+        ("site", "circ_flat", "--out", "flat.stl"),
+        ("rig", "init", "every_setting.toml"),
+    )
+    assert "placement" in packages
+    assert not {"jax", "equinox", "optimistix"} & packages
 
 
 def test_every_subcommand_has_an_example_and_all_of_them_work(desk, monkeypatch, capsys):

@@ -8,7 +8,8 @@ from hypothesis import strategies as st
 import exact
 from placement import Constraints, PlacementError
 from placement.arcs import LayoutSpace
-from placement.layout import angles_from_arcs, angles_from_gaps, gaps_from_angles
+from placement.layout import angles_from_arcs, angles_from_gaps
+from placement.layout_parameters import gaps_from_angles
 from placement.scoring import canonical, distinct
 
 QUICK = settings(max_examples=60, deadline=None)
