@@ -9,6 +9,7 @@ from typing import Annotated
 
 import typer
 
+import experiments.options as opt
 from experiments.compiled import keep_compiled
 from experiments.exits import as_documented, flushed, print_anything
 
@@ -22,145 +23,29 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
-# Names for the shell to complete; here once more, since building the sites imports what `--help` must not wait for.
-SITES = (
-    "circ_flat", "circ_angled", "circ_artery", "circ_overhang", "elliptical",
-    "spine_disc", "cerebellopontine", "glioblastoma", "eye_anterior",
-)  # fmt: skip
-DETAILS = ("coarse", "middle", "fine")
-BENCHMARKS = ("exact", "sites", "surrogate")
-OBJECTIVES = ("mean", "worst")
-FORMATS = ("colmap", "transforms", "opencv", "glb", "csv")
-
-
-def completing(words: tuple[str, ...]):
-    """Completion of an option's or argument's words; the shell offers files where none of them fits."""
-    return lambda incomplete: [word for word in words if word.startswith(incomplete)]
-
-
-MESH_HELP = "STL, OBJ or PLY file [mm], or the name of a built-in site"
-Mesh = Annotated[str, typer.Argument(help=MESH_HELP, autocompletion=completing(SITES))]
-Meshes = Annotated[
-    list[str],
-    typer.Argument(
-        metavar="MESH...",
-        help=f"{MESH_HELP}, with its depth if need be: circ_artery@100; several for one layout that serves all",
-        autocompletion=completing(SITES),
-    ),
-]
-Depth = Annotated[float | None, typer.Option(help="depth of a built-in site [mm]", show_default="the site's first")]
-Detail = Annotated[
-    str | None,
-    typer.Option(help="size of a built-in site: coarse, middle or fine", autocompletion=completing(DETAILS)),
-]
-Repair = Annotated[
-    bool | None,
-    typer.Option("--repair/--no-repair", help="put right what can be: winding, faces without area", show_default="no"),
-]
-Scale = Annotated[
-    float | None,
-    typer.Option(help="factor from the mesh file's unit to millimetres: 1000 for metres", show_default="1"),
-]
-RigFile = Annotated[
-    Path | None,
-    typer.Option("--rig", help="TOML file of settings, as camring rig init writes one; options given here win over it"),
-]
-Cameras = Annotated[int | None, typer.Option(help="number of cameras", show_default="4")]
-Threshold = Annotated[int | None, typer.Option(help="number of cameras that must see a point", show_default="2")]
-Fov = Annotated[
-    str | None,
-    typer.Option(help="field of view at the focus, width x height [mm]", show_default="36x24, or the site's own"),
-]
-Diameter = Annotated[float | None, typer.Option(help="diameter of the ring [mm]", show_default="30")]
-Distance = Annotated[
-    float | None, typer.Option(help="distance of the ring's plane from the focus [mm]", show_default="400")
-]
-Exclude = Annotated[
-    str | None,
-    typer.Option(
-        help="faces that do not count: top (the top surface), none, or a file with one face index per line",
-        show_default="top for built-in sites, none for files",
-        autocompletion=completing(("top", "none")),
-    ),
-]
-MinSeparation = Annotated[float | None, typer.Option(help="least distance between two cameras [mm]", show_default="5")]
-MinBaseline = Annotated[
-    float | None, typer.Option(help="least distance between two of the cameras that see a point [mm]", show_default="0")
-]
-MinAngle = Annotated[
-    float | None,
-    typer.Option(help="the same as an angle at the focus [degrees]; the stricter of both counts", show_default="0"),
-]
-Fixed = Annotated[
-    str | None,
-    typer.Option(help="ring angles of cameras that stay where they are, as in 0,90 [degrees]", show_default="none"),
-]
-Forbidden = Annotated[
-    str | None,
-    typer.Option(help="arcs without cameras, start:end, as in 60:90,200:230 [degrees]", show_default="none"),
-]
-Target = Annotated[
-    float | None,
-    typer.Option(
-        help="fraction of the ring maximum that must be reached, or the exit status is 1", show_default="none"
-    ),
-]
-Seed = Annotated[
-    int | None, typer.Option(help="of the search; the same seed gives the same layout", show_default="0")
-]
-Certify = Annotated[
-    bool | None,
-    typer.Option("--certify/--no-certify", help="bound what any layout could reconstruct", show_default="certify"),
-]
-Objective = Annotated[
-    str | None,
-    typer.Option(
-        help="of several meshes: maximise the mean of their fractions of the ring maximum, or that of the worst",
-        show_default="mean",
-        autocompletion=completing(OBJECTIVES),
-    ),
-]
-SiteWeights = Annotated[
-    str | None, typer.Option(help="how much each mesh counts in the mean, as in 1,2", show_default="all equally")
-]
-Falloff = Annotated[
-    float | None,
-    typer.Option(
-        help="distance from the focus at which a face counts half, falling off on [mm]", show_default="all count fully"
-    ),
-]
-Jitter = Annotated[
-    int | None, typer.Option(help="poses of each mesh to serve, the mesh as it is among them", show_default="1")
-]
-TiltDeg = Annotated[float | None, typer.Option(help="greatest tilt of the poses [degrees]", show_default="2")]
-ShiftMm = Annotated[float | None, typer.Option(help="greatest shift of the poses [mm]", show_default="1")]
-Json = Annotated[bool, typer.Option("--json", help="results as one JSON document on stdout")]
-Out = Annotated[Path, typer.Option(help="folder for the results; it is made if need be")]
-Force = Annotated[bool, typer.Option("--force", help="replace results that are already there")]
-
 
 @app.command()
 def optimise(
-    meshes: Meshes,
-    cameras: Cameras = None,
-    threshold: Threshold = None,
-    min_separation: MinSeparation = None,
-    min_baseline: MinBaseline = None,
-    min_angle_deg: MinAngle = None,
-    fixed_deg: Fixed = None,
-    forbidden_deg: Forbidden = None,
-    fov: Fov = None,
-    diameter: Diameter = None,
-    working_distance: Distance = None,
-    exclude: Exclude = None,
-    objective: Objective = None,
-    site_weights: SiteWeights = None,
-    falloff_mm: Falloff = None,
-    jitter: Jitter = None,
-    tilt_deg: TiltDeg = None,
-    shift_mm: ShiftMm = None,
-    seed: Seed = None,
-    certify: Certify = None,
+    meshes: opt.Meshes,
+    cameras: opt.Cameras = None,
+    threshold: opt.Threshold = None,
+    min_separation: opt.MinSeparation = None,
+    min_baseline: opt.MinBaseline = None,
+    min_angle_deg: opt.MinAngle = None,
+    fixed_deg: opt.Fixed = None,
+    forbidden_deg: opt.Forbidden = None,
+    fov: opt.Fov = None,
+    diameter: opt.Diameter = None,
+    working_distance: opt.Distance = None,
+    exclude: opt.Exclude = None,
+    objective: opt.Objective = None,
+    site_weights: opt.SiteWeights = None,
+    falloff_mm: opt.Falloff = None,
+    jitter: opt.Jitter = None,
+    tilt_deg: opt.TiltDeg = None,
+    shift_mm: opt.ShiftMm = None,
+    seed: opt.Seed = None,
+    certify: opt.Certify = None,
     robustness: Annotated[
         bool,
         typer.Option(
@@ -168,25 +53,25 @@ def optimise(
             help="work out what is left when a camera fails or sits askew, and which pairs of cameras do the work",
         ),
     ] = True,
-    rig: RigFile = None,
-    depth: Depth = None,
-    detail: Detail = None,
-    repair: Repair = None,
-    scale: Scale = None,
-    target: Target = None,
+    rig: opt.RigFile = None,
+    depth: opt.Depth = None,
+    detail: opt.Detail = None,
+    repair: opt.Repair = None,
+    scale: opt.Scale = None,
+    target: opt.Target = None,
     export: Annotated[
         str | None,
         typer.Option(
             help="also write the cameras as camring export does (colmap, transforms, opencv, glb, csv), or the results "
             "as meshes (mesh); several separated by commas",
             show_default="none",
-            autocompletion=completing((*FORMATS, "mesh")),
+            autocompletion=opt.completing((*opt.FORMATS, "mesh")),
         ),
     ] = None,
     report: Annotated[bool, typer.Option("--report", help="also write report.html, as camring report does")] = False,
-    out: Out = Path("out"),
-    force: Force = False,
-    json: Json = False,
+    out: opt.Out = Path("out"),
+    force: opt.Force = False,
+    json: opt.Json = False,
 ) -> None:
     """Find where the cameras should sit, and compare with equidistant ones.
 
@@ -211,35 +96,35 @@ def optimise(
 
 @app.command()
 def count(
-    meshes: Meshes,
+    meshes: opt.Meshes,
     target: Annotated[float, typer.Option(help="part of the ring maximum to reach, or the exit status is 1")] = 0.99,
     max_cameras: Annotated[int, typer.Option(help="most cameras to try")] = 16,
-    threshold: Threshold = None,
-    min_separation: MinSeparation = None,
-    min_baseline: MinBaseline = None,
-    min_angle_deg: MinAngle = None,
-    fixed_deg: Fixed = None,
-    forbidden_deg: Forbidden = None,
-    fov: Fov = None,
-    diameter: Diameter = None,
-    working_distance: Distance = None,
-    exclude: Exclude = None,
-    objective: Objective = None,
-    site_weights: SiteWeights = None,
-    falloff_mm: Falloff = None,
-    jitter: Jitter = None,
-    tilt_deg: TiltDeg = None,
-    shift_mm: ShiftMm = None,
-    seed: Seed = None,
-    certify: Certify = None,
-    rig: RigFile = None,
-    depth: Depth = None,
-    detail: Detail = None,
-    repair: Repair = None,
-    scale: Scale = None,
-    out: Out = Path("out"),
-    force: Force = False,
-    json: Json = False,
+    threshold: opt.Threshold = None,
+    min_separation: opt.MinSeparation = None,
+    min_baseline: opt.MinBaseline = None,
+    min_angle_deg: opt.MinAngle = None,
+    fixed_deg: opt.Fixed = None,
+    forbidden_deg: opt.Forbidden = None,
+    fov: opt.Fov = None,
+    diameter: opt.Diameter = None,
+    working_distance: opt.Distance = None,
+    exclude: opt.Exclude = None,
+    objective: opt.Objective = None,
+    site_weights: opt.SiteWeights = None,
+    falloff_mm: opt.Falloff = None,
+    jitter: opt.Jitter = None,
+    tilt_deg: opt.TiltDeg = None,
+    shift_mm: opt.ShiftMm = None,
+    seed: opt.Seed = None,
+    certify: opt.Certify = None,
+    rig: opt.RigFile = None,
+    depth: opt.Depth = None,
+    detail: opt.Detail = None,
+    repair: opt.Repair = None,
+    scale: opt.Scale = None,
+    out: opt.Out = Path("out"),
+    force: opt.Force = False,
+    json: opt.Json = False,
 ) -> None:
     """Find how many cameras reach a target, well placed and equidistant.
 
@@ -264,32 +149,32 @@ def count(
 
 @app.command()
 def evaluate(
-    mesh: Mesh,
+    mesh: opt.Mesh,
     cameras: Annotated[int | None, typer.Option(help="that many equidistant cameras")] = None,
     angles_deg: Annotated[str | None, typer.Option(help="ring angles, separated by commas [degrees]")] = None,
     layout: Annotated[
         Path | None, typer.Option(help="layout.json; it brings its own ring, threshold and baseline")
     ] = None,
-    threshold: Threshold = None,
-    min_baseline: MinBaseline = None,
-    fov: Fov = None,
-    diameter: Diameter = None,
-    working_distance: Distance = None,
-    exclude: Exclude = None,
-    rig: RigFile = None,
-    depth: Depth = None,
-    detail: Detail = None,
-    repair: Repair = None,
-    scale: Scale = None,
-    target: Target = None,
+    threshold: opt.Threshold = None,
+    min_baseline: opt.MinBaseline = None,
+    fov: opt.Fov = None,
+    diameter: opt.Diameter = None,
+    working_distance: opt.Distance = None,
+    exclude: opt.Exclude = None,
+    rig: opt.RigFile = None,
+    depth: opt.Depth = None,
+    detail: opt.Detail = None,
+    repair: opt.Repair = None,
+    scale: opt.Scale = None,
+    target: opt.Target = None,
     out: Annotated[
         Path | None, typer.Option(help="folder for the reconstructable part and the coloured surface as meshes")
     ] = None,
     images: Annotated[
         Path | None, typer.Option(help="folder for a picture of what each camera sees, faces seen in part in red")
     ] = None,
-    force: Force = False,
-    json: Json = False,
+    force: opt.Force = False,
+    json: opt.Json = False,
 ) -> None:
     """Exact area that a given ring of cameras reconstructs.
 
@@ -312,7 +197,7 @@ def evaluate(
 @app.command()
 def compare(
     layouts: Annotated[list[Path], typer.Argument(help="two or more layout.json files")],
-    mesh: Annotated[str, typer.Option(help=MESH_HELP, autocompletion=completing(SITES))],
+    mesh: Annotated[str, typer.Option(help=opt.MESH_HELP, autocompletion=opt.completing(opt.SITES))],
     threshold: Annotated[
         int | None, typer.Option(help="number of cameras that must see a point", show_default="the first layout's")
     ] = None,
@@ -323,14 +208,14 @@ def compare(
             show_default="the greatest of the layouts'",
         ),
     ] = None,
-    exclude: Exclude = None,
-    depth: Depth = None,
-    detail: Detail = None,
-    repair: Repair = False,
-    scale: Scale = 1.0,
+    exclude: opt.Exclude = None,
+    depth: opt.Depth = None,
+    detail: opt.Detail = None,
+    repair: opt.Repair = False,
+    scale: opt.Scale = 1.0,
     out: Annotated[Path | None, typer.Option(help="folder for layouts.csv and coverage.png")] = None,
-    force: Force = False,
-    json: Json = False,
+    force: opt.Force = False,
+    json: opt.Json = False,
 ) -> None:
     """Score several layouts on the same mesh.
 
@@ -351,28 +236,28 @@ def export(
         str,
         typer.Option(
             help="one or more of colmap, transforms, opencv, glb, csv, separated by commas",
-            autocompletion=completing(FORMATS),
+            autocompletion=opt.completing(opt.FORMATS),
         ),
     ],
     mesh: Annotated[
         str | None,
         typer.Option(
             help="the mesh the layout was made for, which glb shows: a file, or a built-in site",
-            autocompletion=completing(SITES),
+            autocompletion=opt.completing(opt.SITES),
         ),
     ] = None,
-    depth: Depth = None,
-    detail: Detail = None,
-    repair: Repair = None,
+    depth: opt.Depth = None,
+    detail: opt.Detail = None,
+    repair: opt.Repair = None,
     resolution: Annotated[
         str | None,
         typer.Option(help="image size, width x height [pixels]", show_default="longer side 3600, pixels square"),
     ] = None,
-    out: Out = Path("out"),
+    out: opt.Out = Path("out"),
     force: Annotated[
         bool, typer.Option("--force", help="replace results that are there; allow another mesh than the layout's")
     ] = False,
-    json: Json = False,
+    json: opt.Json = False,
 ) -> None:
     """Write the cameras of a layout in the formats of other programs.
 
@@ -393,19 +278,19 @@ def report(
         typer.Option(
             help="the mesh that the layout was made for, the first of several: a file, or a built-in site",
             show_default="the built-in site it was made for",
-            autocompletion=completing(SITES),
+            autocompletion=opt.completing(opt.SITES),
         ),
     ] = None,
     exclude: Annotated[
         str | None,
         typer.Option(help="faces that did not count, if a file lists them", show_default="what layout.json says"),
     ] = None,
-    repair: Repair = None,
+    repair: opt.Repair = None,
     out: Annotated[
         Path | None, typer.Option(help="folder for the report", show_default="the layout's own folder")
     ] = None,
-    force: Force = False,
-    json: Json = False,
+    force: opt.Force = False,
+    json: opt.Json = False,
 ) -> None:
     """Write a page that shows a layout and all that is known of it, for anyone with a browser.
 
@@ -422,15 +307,15 @@ def report(
 @app.command()
 def site(
     name: Annotated[
-        str | None, typer.Argument(help="name of a built-in site", autocompletion=completing(SITES))
+        str | None, typer.Argument(help="name of a built-in site", autocompletion=opt.completing(opt.SITES))
     ] = None,
-    depth: Depth = None,
-    detail: Detail = None,
+    depth: opt.Depth = None,
+    detail: opt.Detail = None,
     listing: Annotated[bool, typer.Option("--list", help="list the built-in sites")] = False,
     out: Annotated[Path | None, typer.Option(help="mesh file to write: .stl, .ply or .obj")] = None,
     gallery: Annotated[Path | None, typer.Option(help="picture of all sites, cut open, to write: .png")] = None,
-    force: Force = False,
-    json: Json = False,
+    force: opt.Force = False,
+    json: opt.Json = False,
 ) -> None:
     """Write a built-in reference site to a mesh file, list them, or draw them all.
 
@@ -449,12 +334,12 @@ def bench(
             help="exact: the exact evaluator, its accuracy and speed; "
             "sites: the reference sites against the published areas; "
             "surrogate: what the search maximises against exact areas",
-            autocompletion=completing(BENCHMARKS),
+            autocompletion=opt.completing(opt.BENCHMARKS),
         ),
     ],
-    out: Out = Path("out"),
-    force: Force = False,
-    json: Json = False,
+    out: opt.Out = Path("out"),
+    force: opt.Force = False,
+    json: opt.Json = False,
 ) -> None:
     """Measure how right and how fast camring is on this machine; takes minutes.
 
@@ -490,7 +375,7 @@ def rig() -> None:
 @rig_app.command("init")
 def rig_init(
     path: Annotated[Path, typer.Argument(help="file to write")] = Path("rig.toml"),
-    force: Force = False,
+    force: opt.Force = False,
 ) -> None:
     """Write a commented rig file that holds every setting with its default and unit.
 
@@ -504,16 +389,11 @@ def rig_init(
 @app.command()
 def paper(
     quick: Annotated[bool, typer.Option("--quick", help="two sites, up to 16 cameras: a first look")] = False,
-    report_only: Annotated[
-        bool, typer.Option("--report-only", help="compute nothing; write tables and figures anew from what is there")
-    ] = False,
-    detail: Detail = None,
-    scheduler: Annotated[
-        str | None,
-        typer.Option(help="address of a Dask scheduler, tcp://...", show_default="the processors of this machine"),
-    ] = None,
-    out: Out = Path("out/paper"),
-    force: Force = False,
+    report_only: opt.ReportOnly = False,
+    detail: opt.Detail = None,
+    scheduler: opt.Scheduler = None,
+    out: opt.Out = Path("out/paper"),
+    force: opt.Force = False,
 ) -> None:
     """Repeat the tables, fits and figures of Wachter 2021, beside its numbers; takes minutes.
 
@@ -529,16 +409,11 @@ def paper(
 @app.command()
 def study(
     quick: Annotated[bool, typer.Option("--quick", help="two sites, 2 and 3 cameras: a first look")] = False,
-    report_only: Annotated[
-        bool, typer.Option("--report-only", help="compute nothing; write tables and figures anew from what is there")
-    ] = False,
-    detail: Detail = None,
-    scheduler: Annotated[
-        str | None,
-        typer.Option(help="address of a Dask scheduler, tcp://...", show_default="the processors of this machine"),
-    ] = None,
-    out: Out = Path("out/study"),
-    force: Force = False,
+    report_only: opt.ReportOnly = False,
+    detail: opt.Detail = None,
+    scheduler: opt.Scheduler = None,
+    out: opt.Out = Path("out/study"),
+    force: opt.Force = False,
 ) -> None:
     """Optimised against equidistant rings on the ten sites of Wachter 2021, with certificates; takes an hour.
 

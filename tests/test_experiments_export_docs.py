@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 import trimesh
 
-from experiments import cli, coverage_mesh
+from experiments import cli, coverage_mesh, options
 from experiments.exports.formats import FORMATS
 
 PAGE = (Path(__file__).parent.parent / "docs" / "exports.md").read_text(encoding="utf-8")
@@ -61,4 +61,4 @@ def test_the_page_names_every_format_and_file():
     for name, files in rows[:-1]:
         for file in FORMATS[name].files:
             assert Path(file).name in files
-    assert tuple(FORMATS) == cli.FORMATS
+    assert tuple(FORMATS) == options.FORMATS

@@ -11,7 +11,7 @@ import trimesh
 import typer
 
 import meshes
-from experiments import cli, rig_file
+from experiments import cli, options, rig_file
 
 HEAVY = {"numpy", "jax", "scipy", "shapely", "trimesh", "matplotlib", "plotly", "placement", "exact", "meshes"}
 # They take minutes to hours: what they do is tested elsewhere, and here they need only be understood.
@@ -82,7 +82,7 @@ def test_what_does_not_search_does_not_import_jax(desk):
         desk,
         ("evaluate", "scan.stl", "--cameras", "3", "--json"),
         ("compare", *layouts, *mesh),
-        ("export", layouts[0], "--format", ",".join(cli.FORMATS), *mesh, "--out", "exported"),
+        ("export", layouts[0], "--format", ",".join(options.FORMATS), *mesh, "--out", "exported"),
         ("site", "circ_flat", "--out", "flat.stl"),
         ("rig", "init", "every_setting.toml"),
     )
@@ -159,9 +159,9 @@ def test_the_shell_completes(monkeypatch, capsys, line, offered):
 
 
 def test_names_to_complete_are_all_names():
-    assert set(cli.SITES) == set(meshes.SITES)
-    assert set(cli.DETAILS) == set(meshes.DETAILS)
-    for what in cli.BENCHMARKS:
+    assert set(options.SITES) == set(meshes.SITES)
+    assert set(options.DETAILS) == set(meshes.DETAILS)
+    for what in options.BENCHMARKS:
         assert what in COMMANDS["bench",].params[0].help
 
 
