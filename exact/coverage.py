@@ -9,10 +9,12 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import BrokenExecutor, Executor, as_completed
 from contextlib import contextmanager
 from dataclasses import dataclass
+from importlib import import_module
+from threading import Lock
 
 import numpy as np
 import shapely
-from loky import get_reusable_executor
+from loky import ProcessPoolExecutor
 
 from exact.cameras import Camera
 from exact.clipping import cut_pieces, unite, whole_faces
@@ -31,6 +33,9 @@ SECTORS = 4
 # Workers that idle this long go away [s]. Long, since loky warns when one goes just as new work comes: harmless, as it
 # starts another, but a program that turns warnings into errors would be stopped by it.
 IDLE_SECONDS = 600
+# Executors by their number of processes, shared by all threads (loky's own reusable one is for one thread).
+_EXECUTORS: dict[int, ProcessPoolExecutor] = {}
+_EXECUTORS_LOCK = Lock()
 
 
 @dataclass(frozen=True, eq=False)
@@ -195,7 +200,7 @@ def tally(
 
 @contextmanager
 def processes(workers: int) -> Iterator[Executor]:
-    """Executor with that many processes, kept for the next call; a new one after one of them has died.
+    """Executor with at least that many processes, kept for the next call; a new one after one of them has died.
 
     Threads would wait for each other: most of the time goes into making and reading shapely's objects.
 
@@ -204,13 +209,28 @@ def processes(workers: int) -> Iterator[Executor]:
     ExactError
         If a process dies while it is at work.
     """
+    with _EXECUTORS_LOCK:
+        size = min((size for size in _EXECUTORS if size >= workers), default=workers)
+        try:
+            _EXECUTORS[size].submit(int)  # refused if one of its processes has died meanwhile
+        except (KeyError, BrokenExecutor):
+            _EXECUTORS[size] = ProcessPoolExecutor(size, timeout=IDLE_SECONDS, env=ONE_THREAD)
+        executor = _EXECUTORS[size]
     try:
-        yield get_reusable_executor(max_workers=workers, timeout=IDLE_SECONDS, env=ONE_THREAD)
+        yield executor
     except BrokenExecutor as error:
         raise ExactError(
             f"one of {workers} processes that shared the work was stopped from outside, most likely since memory ran "
             "out; ask for fewer workers, a coarser mesh or fewer cameras, or free some memory, and try again"
         ) from error
+
+
+def start_processes(workers: int) -> None:
+    """Have `processes` ready soon, with this package imported, while this one does something else."""
+    if workers > 1:
+        with processes(workers) as executor:
+            for _ in range(workers):
+                executor.submit(import_module, "exact")
 
 
 def _shares(surface: Surface, camera: Camera, active: np.ndarray, n: int) -> list[np.ndarray]:

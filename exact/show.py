@@ -80,17 +80,18 @@ def add_polygons(ax: "Axes", polygons: np.ndarray, fill: np.ndarray, shift=(0.0,
     from matplotlib.collections import PathCollection
     from matplotlib.path import Path as Outline
 
+    if not len(polygons):
+        return
     upright = shapely.transform(polygons, lambda xy: xy * [1.0, -1.0] + shift)
-    outlines = [
-        Outline.make_compound_path(*(Outline(np.asarray(ring.coords), closed=True) for ring in _rings(region)))
-        for region in upright
-    ]
+    part, of_region = shapely.get_parts(upright, return_index=True)
+    ring, of_part = shapely.get_rings(part, return_index=True)
+    corner, of_ring = shapely.get_coordinates(ring, return_index=True)
+    begins, ends = np.diff(of_ring, prepend=-1) > 0, np.diff(of_ring, append=len(ring)) > 0
+    code = np.select([begins, ends], [Outline.MOVETO, Outline.CLOSEPOLY], Outline.LINETO).astype(Outline.code_type)
+    next_region = np.searchsorted(of_region[of_part][of_ring], np.arange(1, len(polygons)))
+    outlines = [Outline(*one) for one in zip(np.split(corner, next_region), np.split(code, next_region), strict=True)]
     # The hairline of the same colour closes the seams that anti-aliasing leaves between neighbours.
     ax.add_collection(PathCollection(outlines, facecolors=fill, edgecolors=fill, linewidths=0.3, rasterized=True))
-
-
-def _rings(region: shapely.Polygon | shapely.MultiPolygon):
-    return [ring for polygon in shapely.get_parts(region) for ring in (polygon.exterior, *polygon.interiors)]
 
 
 def add_surface(

@@ -1,12 +1,15 @@
 """camring optimise: propose a layout, compare it with equidistant ones, say what it keeps, write and draw it."""
 
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 import exact
 import placement
+from exact.coverage import start_processes
 from experiments import coverage_mesh, layout_file, layout_table, report, rig_file, robustness_table, site_table
 from experiments.coverage_figure import Panel, write_coverage
 from experiments.exports import formats
@@ -17,6 +20,7 @@ from experiments.subjects import Request, request
 from experiments.target import checked_target, reach
 from experiments.terminal import note, print_json, terminal
 from placement.problem import Progress
+from placement.scoring import available_cores
 
 OUTPUTS = ("layout.json", "layouts.csv", "coverage.png")
 # Sample points for triangulation angles, shared by all meshes and poses, and the fewest that each gets.
@@ -41,16 +45,20 @@ def run(
     """Optimise, print and write; `options` are those of the rig, by the names of their keys."""
     checked_target(target)
     names = () if export is None else formats.parse_formats(export, "--export", (*formats.FORMATS, "mesh"))
+    start_processes(available_cores())  # which takes as long as building a site
     asked = request(meshes, depth, detail, rig_file.rig(rig_path, **options))
     asked.check_cameras(asked.rig.n_cameras)
     meshes_too = coverage_mesh.FILES if "mesh" in names else ()
     names = tuple(name for name in names if name in formats.FORMATS)
     output_folder(out, (*OUTPUTS, *meshes_too, *[report.NAME] * with_report), force)
     files = formats.prepare(out, names, force)
-    with progress_stages() as progress:
+    with progress_stages() as progress, ThreadPoolExecutor() as aside:
         problem = asked.problem(progress)
         result = placement.place(problem, asked.rig.n_cameras, asked.rig.constraints, asked.rig.certify, progress)
-        rows = _rows(problem, result, asked, robust, progress)
+        layouts = _layouts(result, asked)
+        # Drawn by this process while others work out what is left under faults.
+        drawing = aside.submit(_draw, out / OUTPUTS[2], asked, result, (layouts[0], layouts[-1]))
+        rows = _rows(problem, result, asked, layouts, robust, aside, progress)
         content = layout_file.placement_content(result, asked)
         if robust:
             area, agreed = sum(site.area for site in result.sites), placement.consensus(result)
@@ -58,7 +66,7 @@ def run(
         progress("drawing", 0, 1)
         layout_file.write(out / OUTPUTS[0], content)
         layout_table.write_csv(out / OUTPUTS[1], rows)
-        _draw(out / OUTPUTS[2], asked, result, rows)
+        drawing.result()
         formats.write(out, names, named_cameras(asked.ring, np.array(result.angles)), asked.subjects[0])
         if meshes_too:
             files += _write_meshes(out, asked, result)
@@ -76,51 +84,82 @@ def run(
     reach(target, result.fraction, f"the optimised {asked.rig.n_cameras} cameras")
 
 
-def _rows(
-    problem: placement.Problem, result: placement.Placement, asked: Request, robust: bool, progress: Progress
-) -> list[layout_table.Row]:
+class Layout(NamedTuple):
+    """One of the layouts compared."""
+
+    name: str
+    angles: np.ndarray
+    areas: tuple[float, ...]
+    """Of each mesh or pose [mm²]."""
+    fraction: float
+
+
+def _layouts(result: placement.Placement, asked: Request) -> tuple[Layout, ...]:
     """The equidistant layout, the same at its best phase, and the one proposed."""
-    best_phase, n_cameras = result.best_equidistant_phase, result.n_cameras
-    layouts = [
-        ("equidistant", asked.ring.equidistant(n_cameras), result.equidistant_area, result.equidistant_fraction),
-        (
-            f"equidistant, best phase ({np.degrees(best_phase):.1f}°)",
-            asked.ring.equidistant(n_cameras, best_phase),
-            result.best_equidistant_area,
+    phase, even, sites = result.best_equidistant_phase, asked.ring.equidistant, result.sites
+    at_best = f"equidistant, best phase ({np.degrees(phase):.1f}°)"
+    return (
+        Layout(
+            "equidistant", even(result.n_cameras), tuple(site.equidistant_area for site in sites),
+            result.equidistant_fraction,
+        ),
+        Layout(
+            at_best, even(result.n_cameras, phase), tuple(site.best_equidistant_area for site in sites),
             result.best_equidistant_fraction,
         ),
-        ("optimised", np.array(result.angles), result.area, result.fraction),
-    ]
+        Layout("optimised", np.array(result.angles), tuple(site.area for site in sites), result.fraction),
+    )  # fmt: skip
+
+
+def _rows(
+    problem: placement.Problem,
+    result: placement.Placement,
+    asked: Request,
+    layouts: Sequence[Layout],
+    robust: bool,
+    aside: ThreadPoolExecutor,
+    progress: Progress,
+) -> list[layout_table.Row]:
+    """What each layout keeps under faults, and its triangulation angles; all layouts at once."""
     n_samples = max(ANGLE_SAMPLES // len(asked.poses), LEAST_ANGLE_SAMPLES)
-    rows = []
-    for number, (name, angles, area, fraction) in enumerate(layouts):
-        progress("faults and triangulation angles", number, len(layouts))
-        found = placement.robustness(problem, angles, asked.rig.constraints) if robust else None
+
+    def row(layout: Layout) -> layout_table.Row:
+        found = placement.robustness(problem, layout.angles, asked.rig.constraints) if robust else None
         spread = placement.Triangulation.together(
             [
                 placement.triangulation(
-                    pose.mesh, asked.ring, angles, asked.rig.threshold, pose.excluded, n_samples,
+                    pose.mesh, asked.ring, layout.angles, asked.rig.threshold, pose.excluded, n_samples,
                     min_baseline=result.constraints.baseline(asked.ring),
                 )  # fmt: skip
                 for pose in asked.poses
             ]
         )
-        breaks = result.constraints.violations(asked.ring, angles)
-        gain = None if number == 0 else fraction - result.equidistant_fraction
-        rows.append(layout_table.row(name, angles, area / asked.n_poses, fraction, gain, spread, found, breaks))
-    return rows
+        breaks = result.constraints.violations(asked.ring, layout.angles)
+        gain = None if layout is layouts[0] else layout.fraction - result.equidistant_fraction
+        area = sum(layout.areas) / asked.n_poses
+        return layout_table.row(layout.name, layout.angles, area, layout.fraction, gain, spread, found, breaks)
+
+    what = "faults and triangulation angles"
+    progress(what, 0, len(layouts))
+    rows = [aside.submit(row, layout) for layout in layouts]
+    for done, _ in enumerate(as_completed(rows), start=1):
+        progress(what, done, len(layouts))
+    return [row.result() for row in rows]
 
 
-def _draw(path: Path, asked: Request, result: placement.Placement, rows: list[layout_table.Row]) -> None:
+def _draw(path: Path, asked: Request, result: placement.Placement, layouts: Sequence[Layout]) -> None:
     """The first mesh, or the one of which the layout proposed reconstructs least if the worst was to be raised."""
     worst = asked.rig.objective == "worst"
     shown = int(np.argmin([site.fraction for site in result.sites])) if worst else 0
-    pose, site = asked.poses[shown], result.sites[shown]
+    pose, ring_area = asked.poses[shown], result.sites[shown].ring_area
     which = f" ({'the worst' if worst else 'the first'} of {len(asked.poses)})" if len(asked.poses) > 1 else ""
     panels = [
-        Panel(row.name, row.angles, f"{area:.1f} mm², {100 * area / site.ring_area:.2f} % of the ring maximum")
-        for row, area in ((rows[0], site.equidistant_area), (rows[-1], site.area))
-    ]
+        Panel(
+            layout.name, layout.angles,
+            f"{layout.areas[shown]:.1f} mm², {100 * layout.areas[shown] / ring_area:.2f} % of the ring maximum",
+        )
+        for layout in layouts
+    ]  # fmt: skip
     write_coverage(path, pose.name + which, pose.mesh, asked.ring, panels, asked.rig.threshold, pose.excluded)
 
 

@@ -115,7 +115,7 @@ def certify(
     """
     space = LayoutSpace(ring, n_cameras, Constraints() if constraints is None else constraints)
     threshold = checked_threshold(threshold, space.n_cameras, space.constraints)
-    problem = Problem(mesh, ring, threshold, exclude, settings, seed, face_weights, site_weights, objective)
+    problem = Problem(mesh, ring, threshold, exclude, settings, seed, face_weights, site_weights, objective, workers=1)
     certificate = certify_samples(problem.profiles, space, threshold, problem.settings, problem.sites.of)
     return certificate if layout is None else measure(certificate, problem.profiles, layout, threshold)
 
@@ -143,7 +143,6 @@ def place(
     threshold = checked_threshold(problem.threshold, space.n_cameras, space.constraints)
     scorer, (coverage, surrogate) = problem.scorer(space.constraints), problem.coverage(space.constraints)
     evaluated, clock = scorer.n_evaluations, _Clock()
-    problem.ring_maximum.begin()
 
     report("searching", 0, 1)
     pool, counts = search(problem, space)

@@ -87,6 +87,8 @@ class Problem:
         self.ring_maximum = RingMaximum(self.sites, ring, threshold, self.settings.ring_cameras, self.workers)
         self._scorers: dict[float, ExactScorer] = {}
         self._coverages: dict[float, tuple[SampledCoverage, Surrogate]] = {}
+        # Other processes are at it while this one samples and searches.
+        self.ring_maximum.begin()
         n_sites = len(self.sites.members)
         # Few samples of each of many sites do: what counts is their mean, or a worst site that stands out.
         few = min(self.settings.n_samples, max(self.settings.n_samples // n_sites, self.settings.least_samples))

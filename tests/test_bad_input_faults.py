@@ -225,11 +225,13 @@ def test_a_worker_that_is_killed(camring):
     mesh, ring = box(), exact.Ring()
     layouts = [ring.cameras([0.0, 3.0 + number / 1000]) for number in range(400)]
     expected = exact.areas(mesh, layouts[:3])
+    assert (exact.areas(mesh, layouts[:3], workers=2) == expected).all()
+    with processes(2) as executor:
+        workers = list(executor._processes.values())
 
     def kill(_):
-        with processes(2) as executor:
-            for worker in list(executor._processes.values()):
-                os.kill(worker.pid, signal.SIGKILL)
+        while workers:
+            os.kill(workers.pop().pid, signal.SIGKILL)
 
     with pytest.raises(exact.ExactError, match="one of 2 processes .* was stopped .* ask for fewer workers"):
         exact.areas(mesh, layouts, workers=2, report=kill)
