@@ -1,6 +1,5 @@
 """Write results so that a file is either absent or whole, and never silently replaces another."""
 
-import glob
 import os
 import tempfile
 from collections.abc import Iterable, Iterator
@@ -9,6 +8,9 @@ from pathlib import Path
 
 from experiments.errors import InputError
 from experiments.folder_lock import hold
+
+# Part of the name of a file that is being written, and of none that a person makes.
+MARK = ".camring-"
 
 
 @contextmanager
@@ -31,7 +33,7 @@ def written_whole(path: Path) -> Iterator[Path]:
     # The ending stays last: writers of pictures and meshes choose their format by it.
     temporary = None
     try:
-        handle, name = tempfile.mkstemp(dir=path.parent, prefix=_prefix(path), suffix=path.suffix)
+        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem[:40]}{MARK}", suffix=path.suffix)
         os.close(handle)
         temporary = Path(name)
         yield temporary
@@ -46,13 +48,9 @@ def written_whole(path: Path) -> Iterator[Path]:
             temporary.unlink(missing_ok=True)
 
 
-def _prefix(path: Path) -> str:
-    return f".{path.stem[:40]}-"
-
-
-def _remove_remains(path: Path) -> None:
-    """Remove what runs that were killed while they wrote `path` have left beside it."""
-    for remains in path.parent.glob(f"{glob.escape(_prefix(path))}????????{glob.escape(path.suffix)}"):
+def _remove_remains(folder: Path) -> None:
+    """Remove what runs that were killed while they wrote into a folder have left there."""
+    for remains in folder.glob(f".*{MARK}????????*"):
         remains.unlink(missing_ok=True)
 
 
@@ -74,8 +72,7 @@ def output_folder(folder: Path, names: Iterable[str], force: bool) -> Path:
     names = tuple(names)
     _check_place(folder, names, force)
     hold(folder)
-    for name in names:
-        _remove_remains(folder / name)
+    _remove_remains(folder)
     return folder
 
 

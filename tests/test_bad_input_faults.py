@@ -97,6 +97,20 @@ def test_a_full_disk(camring, tmp_path, monkeypatch, fill_disk, file, command):
     assert not list((tmp_path / "out").iterdir())
 
 
+def test_what_a_killed_run_left_is_removed_by_the_next(camring, tmp_path):
+    out, mine = tmp_path / "out", tmp_path / "out" / ".my-settings.toml"
+    code = (
+        "import os, signal, sys\nfrom pathlib import Path\nfrom experiments.files import written_whole\n"
+        "with written_whole(Path(sys.argv[1]) / 'of another command.csv'):\n    os.kill(os.getpid(), signal.SIGKILL)\n"
+    )
+    out.mkdir()
+    mine.touch()
+    assert subprocess.run([sys.executable, "-c", code, out], check=False).returncode == -signal.SIGKILL
+    assert len(list(out.iterdir())) == 2
+    assert camring("evaluate", part(tmp_path), "--cameras", 2, "--out", out)[0] == 0
+    assert [path for path in out.iterdir() if path.name.startswith(".")] == [mine]
+
+
 def test_a_header_of_four_billion_triangles_takes_no_memory(tmp_path):
     announced = put(tmp_path, "a.stl", stl(box())[:80] + b"\xff\xff\xff\xff" + stl(box())[84:])
     tracemalloc.start()

@@ -2,52 +2,94 @@
 
 import os
 import random
+import re
 import signal
 import subprocess
 import sys
 import time
+from functools import cache
+from pathlib import Path
 
 import pytest
 from bad_input_cases import part
 
-# More moments, of a search, by hand: CAMRING_KILLS=50 pytest tests/test_bad_input_kills.py
+ROOT = Path(__file__).parent.parent
+# More moments, shared among what takes long, by hand: CAMRING_KILLS=50 pytest tests/test_bad_input_kills.py
 KILLS = int(os.environ.get("CAMRING_KILLS", "0"))
-
-
-@pytest.fixture(scope="module")
-def command(tmp_path_factory, quick_search):
-    """A command that lacks only its output folder, what it writes, and how long it takes [s]."""
-    folder = tmp_path_factory.mktemp("kills")
-    (folder / "rig.toml").write_text("[cameras]\ncount = 3\n" + quick_search, encoding="utf-8")
-    name = "optimise" if KILLS else "evaluate"
-    arguments = [name, str(part(folder)), "--rig", str(folder / "rig.toml"), "--out"]
-    begin = time.monotonic()
-    assert _start([*arguments, str(folder / "whole")]).wait() == 0
-    seconds = time.monotonic() - begin
-    return arguments, {path.name: path.read_bytes() for path in (folder / "whole").iterdir()}, seconds
+COMMANDS = ("optimise", "paper", "study") if KILLS else ("evaluate",)
+# The study with one site and one number of cameras: what `--quick` takes minutes for is more of the same.
+SMALL_STUDY = (
+    "import sys\n"
+    "from experiments import command_study\n"
+    "from experiments.cli import main\n"
+    "plan = command_study.Plan((('circ_flat', 50),), (2,), (), (), (2, 3, 4), 'coarse')\n"
+    "command_study.Plan.of = staticmethod(lambda quick, detail: plan)\n"
+    "main(sys.argv[1:])\n"
+)
+# The only figures of a sweep that differ from run to run.
+TIMES = re.compile(rb'"(wall_|task_)?seconds": [\d.e-]+|"tasks_found_done": \d+')
 
 
 def _start(arguments):
-    return subprocess.Popen(
-        [sys.executable, "-m", "experiments.cli", *arguments], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-    )
+    return subprocess.Popen(arguments, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, cwd=ROOT)
+
+
+def _files(out):
+    """What is below a folder, by name: bytes, without the times of tasks and records."""
+    found = {str(path.relative_to(out)): path.read_bytes() for path in out.rglob("*") if path.is_file()}
+    return {name: TIMES.sub(b"", data) if name.endswith(".json") else data for name, data in found.items()}
+
+
+def _results(out):
+    """The files that are written when all is computed."""
+    return [path for path in out.glob("*") if path.is_file() and not path.name.startswith(".")]
+
+
+@pytest.fixture(scope="module")
+def undisturbed(tmp_path_factory, quick_search):
+    """By command: its arguments but for the output folder, what it writes, how long that and all of it take [s]."""
+    folder = tmp_path_factory.mktemp("kills")
+    (folder / "rig.toml").write_text("[cameras]\ncount = 3\n" + quick_search, encoding="utf-8")
+    mesh, camring = str(part(folder)), (sys.executable, "-m", "experiments.cli")
+    of = {
+        "paper": (*camring, "paper", "--quick", "--out"),
+        "study": (sys.executable, "-c", SMALL_STUDY, "study", "--quick", "--out"),
+    } | {name: (*camring, name, mesh, "--rig", str(folder / "rig.toml"), "--out") for name in ("evaluate", "optimise")}
+
+    @cache
+    def run(name):
+        out, begin = folder / name, time.monotonic()
+        assert _start([*of[name], str(out)]).wait() == 0
+        seconds = time.monotonic() - begin
+        written = [path.stat().st_mtime for path in _results(out)]
+        return of[name], _files(out), max(written) - min(written), seconds
+
+    return run
+
+
+def _wait_for_moment(program, out, chance, late, writing, seconds):
+    """Until some time of the run; or, as most files are written at its end, of what follows the first of them."""
+    if not late:
+        time.sleep(chance * seconds)
+        return
+    while not _results(out) and program.poll() is None:
+        time.sleep(0.002)
+    time.sleep(chance * writing)
 
 
 @pytest.mark.parametrize("kill", range(KILLS or 2))
-def test_a_killed_run_leaves_nothing_half_written(command, tmp_path, kill):
-    arguments, whole, seconds = command
+def test_a_killed_run_leaves_nothing_half_written(undisturbed, tmp_path, record_property, kill):
+    arguments, whole, *times = undisturbed(COMMANDS[kill % len(COMMANDS)])
     how = signal.SIGKILL if kill % 2 else signal.SIGINT
-    # The files are written at the end: half of the moments are there.
-    moment = random.Random(kill).uniform(0.1 if kill % 4 in (0, 3) else 0.8, 1.0) * seconds
-    program = _start([*arguments, str(tmp_path / "out")])
-    try:
-        program.wait(moment)
-    except subprocess.TimeoutExpired:
-        program.send_signal(how)
+    out = tmp_path / "out"
+    program = _start([*arguments, str(out)])
+    _wait_for_moment(program, out, random.Random(kill).random(), kill % 4 in (1, 2), *times)
+    program.send_signal(how)
     program.wait()
+    record_property("ended", f"{COMMANDS[kill % len(COMMANDS)]} {program.returncode} after {len(_results(out))} files")
     assert program.returncode in (0, 130, -how)
-    found = {path.name: path.read_bytes() for path in tmp_path.glob("out/*")}
-    assert {name: data for name, data in found.items() if not name.startswith(".")}.items() <= whole.items()
-    assert _start([*arguments, str(tmp_path / "out"), "--force"]).wait() == 0
-    assert {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()} == whole
+    found = {name: data for name, data in _files(out).items() if not Path(name).name.startswith(".")}
+    assert found.items() <= whole.items()
+    assert _start([*arguments, str(out), "--force"]).wait() == 0
+    assert _files(out) == whole
     assert len(whole) >= 3
