@@ -394,6 +394,7 @@ def paper(
     scheduler: opt.Scheduler = None,
     out: opt.Out = Path("out/paper"),
     force: opt.Force = False,
+    json: opt.Json = False,
 ) -> None:
     """Repeat the tables, fits and figures of Wachter 2021, beside its numbers; takes minutes.
 
@@ -403,7 +404,7 @@ def paper(
     """
     from experiments import command_paper
 
-    command_paper.run(quick, report_only, detail or "coarse", scheduler, out, force)
+    command_paper.run(quick, report_only, detail or "coarse", scheduler, out, force, json)
 
 
 @app.command()
@@ -414,6 +415,7 @@ def study(
     scheduler: opt.Scheduler = None,
     out: opt.Out = Path("out/study"),
     force: opt.Force = False,
+    json: opt.Json = False,
 ) -> None:
     """Optimised against equidistant rings on the ten sites of Wachter 2021, with certificates; takes an hour.
 
@@ -423,7 +425,7 @@ def study(
     """
     from experiments import command_study
 
-    command_study.run(quick, report_only, detail or "coarse", scheduler, out, force)
+    command_study.run(quick, report_only, detail or "coarse", scheduler, out, force, json)
 
 
 def main(arguments: list[str] | None = None) -> None:

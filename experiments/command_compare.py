@@ -65,9 +65,7 @@ def run(
         areas = [area(one.angles, baseline) for one in read]
         maximum = area(rig.equidistant(RING_CAMERAS), 0.0)  # whatever the baseline
     for one, found in zip(read, areas, strict=True):
-        spread = placement.triangulation(
-            about.mesh, rig, one.angles, threshold, excluded.mask, min_baseline=baseline
-        )
+        spread = placement.triangulation(about.mesh, rig, one.angles, threshold, excluded.mask, min_baseline=baseline)
         gain = None if one is read[0] else (found - areas[0]) / maximum
         rows.append(layout_table.row(str(one.path), one.angles, found, found / maximum, gain, spread))
     content: dict[str, Any] = {

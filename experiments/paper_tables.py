@@ -123,8 +123,8 @@ def _increases(areas: Curve, percent: bool) -> dict[int, float]:
     return steps
 
 
-def write_table(folder: Path, spec: TableSpec, rows: Sequence[Entry]) -> None:
-    """Write table_<number>.csv, .md and .tex."""
+def write_table(folder: Path, spec: TableSpec, rows: Sequence[Entry]) -> list[str]:
+    """Write table_<number>.csv, .md and .tex; their names."""
     stem = folder / f"table_{spec.number}"
     with (
         written_whole(stem.with_suffix(".csv")) as temporary,
@@ -139,6 +139,7 @@ def write_table(folder: Path, spec: TableSpec, rows: Sequence[Entry]) -> None:
         temporary.write_text(markdown(spec, rows), encoding="utf-8")
     with written_whole(stem.with_suffix(".tex")) as temporary:
         temporary.write_text(_latex(spec, rows), encoding="utf-8")
+    return [f"{stem.name}.{ending}" for ending in ("csv", "md", "tex")]
 
 
 def markdown(spec: TableSpec, rows: Sequence[Entry], heading: str = "#") -> str:

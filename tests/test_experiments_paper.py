@@ -30,9 +30,10 @@ PATIENCE = 120  # seconds until a test gives up waiting, on a machine that is bu
 
 @pytest.fixture(scope="module")
 def quick(tmp_path_factory):
-    """The folder of a quick run that nothing disturbed."""
+    """The folder of a quick run that nothing disturbed; beside it, what the run said of itself."""
     out = tmp_path_factory.mktemp("paper")
-    subprocess.run([*QUICK, out], cwd=ROOT, check=True, capture_output=True)
+    done = subprocess.run([*QUICK, out, "--json"], cwd=ROOT, check=True, capture_output=True)
+    out.with_suffix(".json").write_bytes(done.stdout)
     return out
 
 
@@ -73,6 +74,19 @@ def test_quick_run_writes_everything(quick):
     assert record["mesh_hashes"]["circ_artery 50 coarse"] == meshes.fingerprint(meshes.site("circ_artery", 50))
     assert {"camring", "numpy", "shapely", "geos", "python"} <= set(record["versions"])
     assert record["wall_seconds"] > 0
+
+
+def test_quick_run_says_what_came_out(quick):
+    said = json.loads(quick.with_suffix(".json").read_text(encoding="utf-8"))
+    written = {str(file) for file in quick.iterdir() if file.is_file() and not file.name.startswith(".")}
+    assert set(said["files"]) == written
+    assert said["tasks"] == {"done": N_TASKS, "failed": 0, "failures": []}
+    assert (said["n_areas"], said["n_tables"], said["n_figures"]) == (30, 8, 5)
+    of_circular = next(one for one in said["differences_from_published"] if one["what"] == "areas, circular sites")
+    rows = [row for row in lines(quick / "table_A2.csv") if row["site"] == "circ_artery"]
+    off = [100 * abs(float(row["difference"])) / float(row["published"]) for row in rows]
+    assert of_circular["greatest_percent"] == pytest.approx(max(off))
+    assert of_circular["mean_percent"] == pytest.approx(sum(off) / len(off))
 
 
 def test_areas_are_those_of_the_evaluator(quick):

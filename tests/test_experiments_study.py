@@ -44,7 +44,8 @@ def folder(tmp_path):
     layouts, even = made_up_rows()
     write_rows(tmp_path / "layouts.csv", LayoutRow, layouts)
     write_rows(tmp_path / "equidistant.csv", EquidistantRow, even)
-    (tmp_path / "record.json").write_text("{}")
+    tasks = [{"name": "one"}, {"name": "other", "failure": "MemoryError: no, really"}]
+    (tmp_path / "record.json").write_text(json.dumps({"tasks": tasks}))
     return tmp_path
 
 
@@ -55,8 +56,9 @@ def test_rows_come_back_as_they_were_written(folder):
 
 
 def test_page_and_figures_are_made_from_what_is_on_disk(folder, camring):
-    status, printed, _ = camring("study", "--report-only", "--out", folder)
-    assert status == 0 and "99 % of the ring maximum: fewer optimised" in printed
+    status, printed, said = camring("study", "--report-only", "--out", folder)
+    assert status == 1 and "1 of 2 tasks failed, the first with MemoryError: no, really" in said
+    assert "99 % of the ring maximum: fewer optimised" in printed
     page = (folder / "study.md").read_text(encoding="utf-8")
     for words in ("| circ_flat, 50 mm ", "MemoryError: no, really", "One layout for all sites", "at most 0.00 %"):
         assert words in page
@@ -65,6 +67,16 @@ def test_page_and_figures_are_made_from_what_is_on_disk(folder, camring):
         assert f"]({name}.png)" in page
         assert (folder / f"{name}.pdf").read_bytes()[:5] == b"%PDF-"
         assert matplotlib.image.imread(folder / f"{name}.png").std() > 0.02
+
+
+def test_headline_for_scripts(folder, camring):
+    status, printed, _ = camring("study", "--report-only", "--json", "--out", folder)
+    said = json.loads(printed)
+    assert status == 1 and said["tasks"] == {"done": 1, "failed": 1, "failures": ["MemoryError: no, really"]}
+    assert set(said["files"]) == {str(file) for file in folder.iterdir()}
+    assert said["headline"] == headline(savings(*made_up_rows()))
+    first = said["fewest_cameras"][0]
+    assert first == {"site": "circ_flat", "depth_mm": 50, "target": 0.95, "optimised": 4, "equidistant": 6}
 
 
 def test_savings_are_counted_by_hand():
