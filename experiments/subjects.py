@@ -10,6 +10,7 @@ import exact
 import placement
 from experiments.errors import InputError
 from experiments.inputs import Exclusion, Subject, exclusion, is_site, subject
+from experiments.remembered import RememberedAreas
 from experiments.rig_file import Rig
 from placement.arcs import LayoutSpace
 from placement.constraints import checked_threshold
@@ -107,6 +108,7 @@ class Request:
             [pose.weight for pose in self.poses],
             self.rig.objective,  # type: ignore[arg-type] - checked by Problem
             progress=progress,
+            memory=RememberedAreas(),
         )
 
 

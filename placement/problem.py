@@ -9,8 +9,9 @@ import exact
 from placement.constraints import Constraints, checked_seed
 from placement.exchange import SampledCoverage
 from placement.profiles import RingProfiles
+from placement.ring_maximum import Memory, RingMaximum
 from placement.sampled_site import sample_site
-from placement.scoring import ExactScorer, RingMaximum, available_cores
+from placement.scoring import ExactScorer, available_cores
 from placement.settings import Settings
 from placement.sites import Objective, Sites, checked_sites
 from placement.surrogate import Surrogate
@@ -49,6 +50,8 @@ class Problem:
         Processes that share exact evaluations; by default one for each core. Results do not depend on it.
     progress : callable, optional
         Called with (what, done, total).
+    memory : placement.ring_maximum.Memory, optional
+        Where ring maxima evaluated before are found and new ones are kept, such as a dict that several problems share.
 
     Raises
     ------
@@ -77,6 +80,7 @@ class Problem:
         objective: Objective = "mean",
         workers: int | None = None,
         progress: Progress | None = None,
+        memory: Memory | None = None,
     ):
         seed = checked_seed(seed)
         report = progress or (lambda what, done, total: None)
@@ -84,7 +88,7 @@ class Problem:
         self.ring, self.threshold, self.seed = ring, threshold, seed
         self.settings = Settings() if settings is None else settings
         self.workers = available_cores() if workers is None else workers
-        self.ring_maximum = RingMaximum(self.sites, ring, threshold, self.settings.ring_cameras, self.workers)
+        self.ring_maximum = RingMaximum(self.sites, ring, threshold, self.settings.ring_cameras, self.workers, memory)
         self._scorers: dict[float, ExactScorer] = {}
         self._coverages: dict[float, tuple[SampledCoverage, Surrogate]] = {}
         # Other processes are at it while this one samples and searches.

@@ -99,7 +99,7 @@ def robustness(
     angles,
     constraints: Constraints | None = None,
     mounting_error: float = float(np.radians(1.0)),
-    n_mountings: int = 8,
+    n_mountings: int = 5,
     seed: int = 0,
 ) -> Robustness:
     """Work out, exactly, what a layout keeps under faults and which pairs of cameras do its work.

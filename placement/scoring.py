@@ -2,13 +2,13 @@
 
 import os
 from collections.abc import Callable, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
 
 import numpy as np
 
 import exact
 from placement.arcs import LayoutSpace
-from placement.sites import Site, Sites
+from placement.ring_maximum import RingMaximum, evaluation
+from placement.sites import Sites
 
 # An improvement of the exact fraction smaller than this is rounding, not a better layout.
 WORTHWHILE = 1e-7
@@ -48,7 +48,7 @@ class ExactScorer:
         ring: exact.Ring,
         threshold: int = 2,
         min_baseline: float = 0.0,
-        ring_maximum: "RingMaximum | None" = None,
+        ring_maximum: RingMaximum | None = None,
         workers: int = 1,
     ):
         self.sites, self.ring, self.threshold, self.min_baseline = sites, ring, threshold, min_baseline
@@ -76,7 +76,7 @@ class ExactScorer:
         new = list({theta.tobytes(): theta for theta in turned if theta.tobytes() not in self._areas}.values())
         if new:
             cameras = [self.ring.cameras(theta) for theta in new]
-            requests = [_request(site, self.threshold, self.min_baseline) for site in self.sites.members]
+            requests = [evaluation(site, self.threshold, self.min_baseline) for site in self.sites.members]
             found = [
                 exact.areas(**request, layouts=cameras, workers=self._workers, report=report) for request in requests
             ]
@@ -96,68 +96,10 @@ class ExactScorer:
         """`fraction` of a layout as a function of the ring angle [rad] of one of its cameras, the others held."""
         others = self.ring.cameras(np.delete(angles, camera)) if len(angles) > 1 else ()
         layouts = [
-            exact.OneMore(**_request(site, self.threshold, self.min_baseline), others=others)
+            exact.OneMore(**evaluation(site, self.threshold, self.min_baseline), others=others)
             for site in self.sites.members
         ]
         return lambda angle: self.combined([one.area(self.ring.cameras([angle])[0]) for one in layouts])
-
-
-class RingMaximum:
-    """What all the ring sees: exact areas of many equidistant cameras, whatever the baseline asked of a layout.
-
-    Parameters
-    ----------
-    sites, ring, threshold, workers
-        As for `ExactScorer`.
-    n_cameras : int
-        Number of equidistant cameras.
-
-    Examples
-    --------
-    >>> import trimesh
-    >>> from placement.sites import checked_sites
-    >>> plate = checked_sites(trimesh.creation.box((10, 10, 1)))
-    >>> bool(100.0 < RingMaximum(plate, exact.Ring(), n_cameras=8).areas[0] <= 140.0 + 1e-9)
-    True
-    """
-
-    def __init__(self, sites: Sites, ring: exact.Ring, threshold: int = 2, n_cameras: int = 360, workers: int = 1):
-        self._sites, self._threshold, self._workers = sites, threshold, workers
-        self._cameras = ring.cameras(ring.equidistant(n_cameras))
-        self._areas: tuple[float, ...] | None = None
-        self._begun: Future | None = None
-
-    def begin(self) -> None:
-        """Let other processes evaluate it while this one goes on; with one worker nothing happens."""
-        if self._workers > 1 and self._areas is None and self._begun is None:
-            thread = ThreadPoolExecutor(1)
-            self._begun = thread.submit(self._evaluate)
-            thread.shutdown(wait=False)
-
-    @property
-    def areas(self) -> tuple[float, ...]:
-        """(S,) exact area of each site [mm²]."""
-        if self._areas is None:
-            begun, self._begun = self._begun, None
-            self._areas = self._evaluate() if begun is None else begun.result()
-        return self._areas
-
-    def _evaluate(self) -> tuple[float, ...]:
-        return tuple(
-            exact.evaluate(**_request(site, self._threshold), cameras=self._cameras, workers=self._workers).area
-            for site in self._sites.members
-        )
-
-
-def _request(site: Site, threshold: int, min_baseline: float = 0.0) -> dict:
-    """Keyword arguments of the evaluator that do not depend on the cameras."""
-    return dict(
-        mesh=site.mesh,
-        threshold=threshold,
-        exclude=site.excluded,
-        min_baseline=min_baseline,
-        weights=site.face_weights,
-    )
 
 
 def available_cores() -> int:

@@ -1,6 +1,7 @@
 """What tests of the command line share."""
 
 import os
+import tempfile
 from pathlib import Path
 
 import pytest
@@ -11,6 +12,14 @@ from experiments.compiled import keep_compiled
 # Compiling takes most of the time of many tests: the processes of a run share what they compile.
 os.environ.setdefault("JAX_COMPILATION_CACHE_DIR", str(Path(__file__).parent.parent / ".pytest_cache" / "jax"))
 keep_compiled()
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _own_cache_folder():
+    """Nothing that earlier runs have remembered, and nothing for later ones."""
+    with tempfile.TemporaryDirectory() as folder, pytest.MonkeyPatch.context() as patch:
+        patch.setenv("XDG_CACHE_HOME", folder)
+        yield
 
 
 @pytest.fixture

@@ -10,8 +10,9 @@ import placement
 from placement import Constraints, PlacementError, Settings
 from placement.arcs import LayoutSpace
 from placement.exchange import SampledCoverage
+from placement.ring_maximum import RingMaximum
 from placement.sampled_site import sample_site
-from placement.scoring import ExactScorer, RingMaximum, polish
+from placement.scoring import ExactScorer, polish
 from placement.sites import checked_sites
 
 RING = exact.Ring()
