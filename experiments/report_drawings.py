@@ -44,7 +44,7 @@ def ring_drawing(
         {
             "number": number,
             "at": on_ring(angle),
-            "label_at": on_ring(angle, 1.27 * RADIUS),
+            "label_at": _beside(angle),
             "degrees": f"{np.degrees(angle):.1f}°" if labelled else "",
             "is_fixed": any(abs(np.sin((angle - other) / 2)) < 1e-9 for other in fixed),
         }
@@ -73,6 +73,12 @@ def ring_drawing(
         "forbidden": [_arc(start, end) for start, end in forbidden],
         "has_fixed": bool(len(fixed)),
     }
+
+
+def _beside(angle: float) -> tuple[float, float]:
+    """Middle of a label outside the ring; it is wider than high, so that it needs more room left and right."""
+    x, y = on_ring(angle, 1.24 * RADIUS)
+    return round(1.1 * x, 2), y
 
 
 def _arc(start: float, end: float) -> str:

@@ -44,13 +44,18 @@ async function start() {
     ...(scene.frame ? { range: scene.frame[at] } : {}), nticks: 6, title: { text: name + " [mm]" },
     showspikes: false, showbackground: false, gridcolor: "#dfe3e7", zeroline: false,
   });
+  /* Narrow pages need more room for the axes' names. Seen from above, the surface hides most of the z axis. */
+  const distance = plot.clientWidth < 500 ? 2.1 : 1.95;
   await Plotly.newPlot(plot, [mesh], {
     margin: { l: 0, r: 0, t: 0, b: 0 }, paper_bgcolor: "rgba(0,0,0,0)",
     scene: {
-      aspectmode: "data", xaxis: axis("x", 0), yaxis: axis("y", 1), zaxis: axis("z", 2), dragmode: "orbit",
-      camera: { eye: { x: 0, y: -0.5, z: 1.75 }, center: { x: 0, y: 0, z: 0 }, up: { x: 0, y: 0, z: 1 } },
+      aspectmode: "data", xaxis: axis("x", 0), yaxis: axis("y", 1), zaxis: { ...axis("z", 2), visible: false },
+      dragmode: "orbit",
+      camera: { eye: { x: 0, y: -0.27 * distance, z: 0.96 * distance }, center: { x: 0, y: 0, z: 0 }, up: { x: 0, y: 0, z: 1 } },
     },
   }, { responsive: true, displaylogo: false, modeBarButtonsToRemove: ["resetCameraLastSave3d", "hoverClosest3d"] });
+
+  plot.once("plotly_relayout", () => Plotly.relayout(plot, { "scene.zaxis.visible": true }));
 
   async function show(number) {
     const colouring = scene.colourings[number];
