@@ -5,6 +5,7 @@ that sees only part of it cuts it. Parts that T cameras have seen are set aside,
 and the next camera meets only what is left.
 """
 
+import gc
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import BrokenExecutor, Executor, as_completed
 from contextlib import contextmanager
@@ -273,6 +274,23 @@ def _tally(
     return count.tally()
 
 
+@contextmanager
+def _no_garbage_collection() -> Iterator[None]:
+    """Pause Python's search for cycles.
+
+    Nothing here makes any, but so many objects come and go that it would look through all modules again and again,
+    which takes a fifth of the time.
+    """
+    was_on = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was_on:
+            gc.enable()
+
+
+@_no_garbage_collection()
 def add_views(
     count: Count,
     surface: Surface,

@@ -70,7 +70,7 @@ class Settings:
     n_pair_searches: int = 3
     n_phases: int = 36
     exact_phases: int = 3
-    exact_candidates: int = 10
+    exact_candidates: int = 8
     distinct_tolerance: float = float(np.radians(1.0))
     polish_steps: tuple[float, ...] = (0.02, 0.005)
     polish_sweeps: int = 1
