@@ -65,7 +65,7 @@ class Plan:
         if quick:
             return Plan(sites, (2, 3), (3,), (2,), tuple(range(2, 9)), detail)
         every = tuple(range(2, 13))
-        return Plan(sites, every, (4,), (2, 3, 4), tuple(range(2, MOST_EQUIDISTANT + 1)), detail)
+        return Plan(sites, every, (4, 8), every, tuple(range(2, MOST_EQUIDISTANT + 1)), detail)
 
 
 @lru_cache(maxsize=1)
