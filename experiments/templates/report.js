@@ -55,7 +55,12 @@ async function start() {
     },
   }, { responsive: true, displaylogo: false, modeBarButtonsToRemove: ["resetCameraLastSave3d", "hoverClosest3d"] });
 
-  plot.once("plotly_relayout", () => Plotly.relayout(plot, { "scene.zaxis.visible": true }));
+  const turned = (change) => {
+    if (!("scene.camera" in change)) return;
+    plot.removeListener("plotly_relayout", turned);
+    Plotly.relayout(plot, { "scene.zaxis.visible": true });
+  };
+  plot.on("plotly_relayout", turned);
 
   async function show(number) {
     const colouring = scene.colourings[number];
