@@ -1,7 +1,7 @@
 """camring optimise: propose a layout, compare it with equidistant ones, say what it keeps, write and draw it."""
 
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor, as_completed
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -19,7 +19,6 @@ from experiments.progress import progress_stages
 from experiments.subjects import Request, request
 from experiments.target import checked_target, reach
 from experiments.terminal import note, print_json, terminal
-from placement.problem import Progress
 from placement.scoring import available_cores
 
 OUTPUTS = ("layout.json", "layouts.csv", "coverage.png")
@@ -53,12 +52,18 @@ def run(
     output_folder(out, (*OUTPUTS, *meshes_too, *[report.NAME] * with_report), force)
     files = formats.prepare(out, names, force)
     with progress_stages() as progress, ThreadPoolExecutor() as aside:
-        problem = asked.problem(progress)
-        result = placement.place(problem, asked.rig.n_cameras, asked.rig.constraints, asked.rig.certify, progress)
+        problem, (n_cameras, limits) = asked.problem(progress), (asked.rig.n_cameras, asked.rig.constraints)
+        # Equidistant rings wait for no search; other processes work on them while this one searches.
+        even = [
+            aside.submit(lambda: _kept(problem, asked, robust, asked.ring.equidistant(n_cameras))),
+            aside.submit(lambda: _kept(problem, asked, robust, _best_equidistant(problem, asked))),
+        ]
+        result = placement.place(problem, n_cameras, limits, asked.rig.certify, progress)
         layouts = _layouts(result, asked)
-        # Drawn by this process while others work out what is left under faults.
         drawing = aside.submit(_draw, out / OUTPUTS[2], asked, result, (layouts[0], layouts[-1]))
-        rows = _rows(problem, result, asked, layouts, robust, aside, progress)
+        progress("faults and triangulation angles", 0, 1)
+        optimised = _kept(problem, asked, robust, layouts[-1].angles)
+        rows = _rows(result, asked, layouts, [*(found.result() for found in even), optimised])
         content = layout_file.placement_content(result, asked)
         if robust:
             area, agreed = sum(site.area for site in result.sites), placement.consensus(result)
@@ -111,40 +116,43 @@ def _layouts(result: placement.Placement, asked: Request) -> tuple[Layout, ...]:
     )  # fmt: skip
 
 
+def _best_equidistant(problem: placement.Problem, asked: Request) -> np.ndarray:
+    n_cameras = asked.rig.n_cameras
+    phase = placement.best_equidistant_phase(problem, n_cameras, asked.rig.constraints)
+    return asked.ring.equidistant(n_cameras, phase)
+
+
+def _kept(
+    problem: placement.Problem, asked: Request, robust: bool, angles: np.ndarray
+) -> tuple[placement.Triangulation, placement.Robustness | None]:
+    """Triangulation angles of a layout, and what is left of it under faults."""
+    found = placement.robustness(problem, angles, asked.rig.constraints) if robust else None
+    n_samples = max(ANGLE_SAMPLES // len(asked.poses), LEAST_ANGLE_SAMPLES)
+    baseline = asked.rig.constraints.baseline(asked.ring)
+    spread = placement.Triangulation.together(
+        [
+            placement.triangulation(
+                pose.mesh, asked.ring, angles, asked.rig.threshold, pose.excluded, n_samples, min_baseline=baseline
+            )
+            for pose in asked.poses
+        ]
+    )
+    return spread, found
+
+
 def _rows(
-    problem: placement.Problem,
     result: placement.Placement,
     asked: Request,
     layouts: Sequence[Layout],
-    robust: bool,
-    aside: ThreadPoolExecutor,
-    progress: Progress,
+    kept: Sequence[tuple[placement.Triangulation, placement.Robustness | None]],
 ) -> list[layout_table.Row]:
-    """What each layout keeps under faults, and its triangulation angles; all layouts at once."""
-    n_samples = max(ANGLE_SAMPLES // len(asked.poses), LEAST_ANGLE_SAMPLES)
-
-    def row(layout: Layout) -> layout_table.Row:
-        found = placement.robustness(problem, layout.angles, asked.rig.constraints) if robust else None
-        spread = placement.Triangulation.together(
-            [
-                placement.triangulation(
-                    pose.mesh, asked.ring, layout.angles, asked.rig.threshold, pose.excluded, n_samples,
-                    min_baseline=result.constraints.baseline(asked.ring),
-                )  # fmt: skip
-                for pose in asked.poses
-            ]
-        )
+    rows = []
+    for layout, (spread, found) in zip(layouts, kept, strict=True):
         breaks = result.constraints.violations(asked.ring, layout.angles)
         gain = None if layout is layouts[0] else layout.fraction - result.equidistant_fraction
         area = sum(layout.areas) / asked.n_poses
-        return layout_table.row(layout.name, layout.angles, area, layout.fraction, gain, spread, found, breaks)
-
-    what = "faults and triangulation angles"
-    progress(what, 0, len(layouts))
-    rows = [aside.submit(row, layout) for layout in layouts]
-    for done, _ in enumerate(as_completed(rows), start=1):
-        progress(what, done, len(layouts))
-    return [row.result() for row in rows]
+        rows.append(layout_table.row(layout.name, layout.angles, area, layout.fraction, gain, spread, found, breaks))
+    return rows
 
 
 def _draw(path: Path, asked: Request, result: placement.Placement, layouts: Sequence[Layout]) -> None:

@@ -6,6 +6,7 @@ and single precision would move them. What does not search does not import JAX.
 
 from placement.certificate import Certificate
 from placement.constraints import Constraints
+from placement.equidistant import best_equidistant_phase
 from placement.errors import PlacementError
 from placement.jitter import jitter
 from placement.optimise import certify, optimise, place
@@ -33,6 +34,7 @@ __all__ = [
     "Settings",
     "SiteResult",
     "Triangulation",
+    "best_equidistant_phase",
     "certify",
     "consensus",
     "falloff",

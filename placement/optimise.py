@@ -10,6 +10,7 @@ import exact
 from placement.arcs import LayoutSpace
 from placement.certificate import Certificate, certify_samples, measure
 from placement.constraints import Constraints, checked_threshold
+from placement.equidistant import compared_phases
 from placement.problem import Problem, Progress
 from placement.results import Candidate, Placement, SearchRecord, SiteResult, library_versions
 from placement.scoring import canonical, polish
@@ -142,7 +143,7 @@ def place(
     space = LayoutSpace(ring, n_cameras, Constraints() if constraints is None else constraints)
     threshold = checked_threshold(problem.threshold, space.n_cameras, space.constraints)
     scorer, (coverage, surrogate) = problem.scorer(space.constraints), problem.coverage(space.constraints)
-    evaluated, clock = scorer.n_evaluations, _Clock()
+    clock = _Clock()
 
     report("searching", 0, 1)
     pool, counts = search(problem, space)
@@ -159,13 +160,12 @@ def place(
             layouts.append(("certificate", np.array(certificate.grid_angles)))
         clock.lap("certificate")
 
-    phases = 2 * np.pi / space.n_cameras * np.arange(settings.n_phases) / settings.n_phases
+    phases = compared_phases(problem, space)
     even = [ring.equidistant(space.n_cameras, phase) for phase in phases]
-    leading = np.argsort([-coverage.worth(layout) for layout in even], kind="stable")[: settings.exact_phases]
-    compared = sorted({0, *leading.tolist()})
-    layouts += [("equidistant", even[i]) for i in compared if space.allows(even[i])]
-    to_score = [layout for _, layout in layouts] + [even[i] for i in compared]
-    done, total = 0, len(problem.sites.members) * len({canonical(layout).tobytes() for layout in to_score})
+    layouts += [("equidistant", layout) for layout in even if space.allows(layout)]
+    to_score = [layout for _, layout in layouts] + even
+    n_exact = len({canonical(layout).tobytes() for layout in to_score})
+    done, total = 0, len(problem.sites.members) * n_exact
 
     def on_evaluation(steps: int) -> None:
         nonlocal done
@@ -173,6 +173,7 @@ def place(
         report("scoring exactly", min(done, total), total)
 
     scorer.many(to_score, on_evaluation)
+    report("scoring exactly", total, total)
     clock.lap("scoring")
     report("ring maximum", 0, 1)
     _ = scorer.ring_areas
@@ -191,27 +192,24 @@ def place(
     if settings.polish_steps and space.n_free:
         report("polishing", 0, 1)
         polished, n_moves = polish(scorer, space, scored[0].angles, settings.polish_steps, settings.polish_sweeps)
+        n_exact += 1
         if scorer.fraction(polished) > scored[0].fraction:
             scored.insert(0, candidate(polished, "polish"))
     clock.lap("polish")
     report("polishing", 1, 1)
 
-    best_phase = max(compared, key=lambda i: scorer.fraction(even[i]))
-    areas = zip(scored[0].areas, scorer.areas(even[0]), scorer.areas(even[best_phase]), scorer.ring_areas, strict=True)
+    best = max(range(len(even)), key=lambda i: scorer.fraction(even[i]))
+    areas = zip(scored[0].areas, scorer.areas(even[0]), scorer.areas(even[best]), scorer.ring_areas, strict=True)
     sites = tuple(
-        SiteResult(
-            best, equidistant, best_equidistant, ring_area, site.share, site.mesh_hash, int(site.excluded.sum()),
-            site.face_weights is not None,
-        )
-        for site, (best, equidistant, best_equidistant, ring_area) in zip(problem.sites.members, areas, strict=True)
-    )  # fmt: skip
-    n_exact = scorer.n_evaluations - evaluated
+        SiteResult(*four_areas, site.share, site.mesh_hash, int(site.excluded.sum()), site.face_weights is not None)
+        for site, four_areas in zip(problem.sites.members, areas, strict=True)
+    )
     return Placement(
         angles=scored[0].angles,
         fraction=scored[0].fraction,
         equidistant_fraction=scorer.fraction(even[0]),
-        best_equidistant_fraction=scorer.fraction(even[best_phase]),
-        best_equidistant_phase=float(phases[best_phase]),
+        best_equidistant_fraction=scorer.fraction(even[best]),
+        best_equidistant_phase=phases[best],
         sites=sites,
         objective=problem.sites.objective,
         candidates=tuple(scored),

@@ -57,11 +57,6 @@ class ExactScorer:
         self._ring_maximum = ring_maximum or RingMaximum(sites, ring, threshold, workers=workers)
 
     @property
-    def n_evaluations(self) -> int:
-        """Number of layouts evaluated so far."""
-        return len(self._areas)
-
-    @property
     def ring_areas(self) -> tuple[float, ...]:
         """(S,) exact area [mm²] of the ring maximum of each site."""
         return self._ring_maximum.areas
