@@ -19,6 +19,7 @@ from embreex.mesh_construction import TriangleMesh
 from embreex.rtcore_scene import EmbreeScene
 
 import exact
+from exact.cameras import MOST_CAMERAS
 from placement.errors import PlacementError
 from placement.sampling import SurfaceSamples
 
@@ -143,7 +144,10 @@ class Visibility:
         if len(points) == 0:
             return np.zeros(0, dtype=bool)
         distinct, which = np.unique(np.asarray(angles, dtype=np.float64), return_inverse=True)
-        return self._pairs(samples, ring.cameras(distinct), which, points)
+        # Fine bisections ask about more angles than a ring may hold cameras.
+        parts = np.split(distinct, range(MOST_CAMERAS, len(distinct), MOST_CAMERAS))
+        cameras = [camera for part in parts for camera in ring.cameras(part)]
+        return self._pairs(samples, cameras, which, points)
 
     def _pairs(self, samples, cameras, which, point) -> np.ndarray:
         positions = np.stack([camera.position for camera in cameras])

@@ -109,3 +109,11 @@ def test_faces_towards_finds_every_face_a_camera_can_see():
     closed = faces_towards(ball, ring)
     assert not (dense & ~closed).any()
     assert (dense != closed).mean() < 0.002
+
+
+def test_more_angles_can_be_asked_about_than_a_ring_holds_cameras():
+    distance, height = 1.0, 100.0
+    visibility = Visibility(floor_with_wall(distance, height))
+    angles = 2 * np.pi * np.random.default_rng(0).permutation(20_100) / 20_100 + 1e-4
+    seen = visibility.pairs(points_up((0, 0, 0)), exact.Ring(), angles, np.zeros(len(angles), dtype=int))
+    assert (seen == closed_form(angles, distance, height)).all() and seen.any() and not seen.all()
