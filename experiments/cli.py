@@ -376,6 +376,7 @@ def rig() -> None:
 def rig_init(
     path: Annotated[Path, typer.Argument(help="file to write")] = Path("rig.toml"),
     force: opt.Force = False,
+    json: opt.Json = False,
 ) -> None:
     """Write a commented rig file that holds every setting with its default and unit.
 
@@ -383,7 +384,7 @@ def rig_init(
     """
     from experiments import command_rig
 
-    command_rig.init(path, force)
+    command_rig.init(path, force, json)
 
 
 @app.command()

@@ -7,7 +7,7 @@ from typing import Any
 
 from experiments.files import output_file, written_whole
 from experiments.rig_file import SECTIONS
-from experiments.terminal import note
+from experiments.terminal import note, print_json
 
 HEAD = """
 Rig file of camring: ring, cameras, constraints and search of a request, for --rig.
@@ -16,11 +16,13 @@ Every key has its default here, and may be left out. An option on the command li
 """
 
 
-def init(path: Path, force: bool) -> None:
+def init(path: Path, force: bool, as_json: bool = False) -> None:
     """Write a rig file that holds every key with its default."""
     output_file(path, force)
     with written_whole(path) as temporary:
         temporary.write_text(commented(), encoding="utf-8")
+    if as_json:
+        print_json({"files": [str(path)]})
     note(f"wrote {path}; give it with --rig {path}")
 
 

@@ -23,10 +23,8 @@ def run(
     if gallery is not None:
         if name is not None or depth is not None or out is not None or listing:
             raise InputError("--gallery draws all sites; leave out NAME, --depth, --out and --list, or leave it out")
-        _draw_gallery(gallery, detail or "middle", force)
+        _draw_gallery(gallery, detail or "middle", force, as_json)
         return
-    if as_json and not listing:
-        raise InputError("--json is for --list; leave it out, or give --list")
     if listing and as_json:
         sites = [
             {"name": site.name, "depths_mm": site.depths, "fov_mm": site.fov, "title": site.title}
@@ -57,14 +55,18 @@ def run(
         else:
             data = about.mesh.export(file_type=out.suffix.lower()[1:])
             temporary.write_bytes(data if isinstance(data, bytes) else str(data).encode())
-    size = about.mesh.extents
+    size = about.mesh.extents.tolist()
+    if as_json:
+        figures = {"n_faces": len(about.mesh.faces), "area_mm2": float(about.mesh.area), "extents_mm": size}
+        print_json({"files": [str(out)], "name": about.name, **figures})
+        return
     print(
         f"{out}: {about.name}, {len(about.mesh.faces)} faces, {about.mesh.area:.1f} mm², "
         f"{size[0]:.1f} x {size[1]:.1f} x {size[2]:.1f} mm, watertight"
     )
 
 
-def _draw_gallery(path: Path, detail: str, force: bool) -> None:
+def _draw_gallery(path: Path, detail: str, force: bool, as_json: bool) -> None:
     from experiments.site_gallery import gallery_rows, write_gallery  # matplotlib is heavy, and the rest needs none
 
     if path.suffix.lower() != ".png":
@@ -72,5 +74,8 @@ def _draw_gallery(path: Path, detail: str, force: bool) -> None:
     output_file(path, force)
     rows = gallery_rows()
     write_gallery(path, rows, detail)
+    if as_json:
+        print_json({"files": [str(path)]})
+        return
     n_sites = sum(len(row) for row in rows)
     print(f"{path}: {n_sites} site{'s' if n_sites > 1 else ''} cut open, detail {detail}")

@@ -147,6 +147,12 @@ def test_results_for_machines_are_all_of_stdout(camring, scan, tmp_path, monkeyp
     assert {site["name"]: (tuple(site["depths_mm"]), tuple(site["fov_mm"])) for site in sites} == {
         site.name: (site.depths, site.fov) for site in meshes.SITES.values()
     }
+    written = json.loads(camring("site", "circ_flat", "--out", tmp_path / "flat.stl", "--json")[1])
+    assert written["files"] == [str(tmp_path / "flat.stl")]
+    assert written["n_faces"] == len(meshes.load(tmp_path / "flat.stl").faces)
+    assert json.loads(camring("rig", "init", tmp_path / "rig.toml", "--json")[1]) == {
+        "files": [str(tmp_path / "rig.toml")]
+    }
     monkeypatch.setattr(bench_exact, "MEASUREMENTS", (lambda: [("what it takes", "0.25", "s", "at most 0.3")],))
     monkeypatch.setattr(bench_exact.MEASUREMENTS[0], "__name__", "_quick")
     figures = json.loads(camring("bench", "exact", "--json", "--out", tmp_path / "exact")[1])["figures"]
@@ -315,7 +321,6 @@ REFUSED = {
         lambda d: ("evaluate", "circ_flat", "--layout", write_layout(d, constraints={"min_separaton": 1})),
         r'"constraints" is .*min_separaton.*; it must give some of fixed, forbidden',
     ),
-    "JSON of a site": (lambda d: ("site", "circ_flat", "--json"), r"--json is for --list"),
     "site without a file": (lambda d: ("site", "circ_flat"), r"--out"),
     "site format": (lambda d: ("site", "circ_flat", "--out", d / "a.step"), r"ending must be \.stl, \.ply or \.obj"),
     "unknown site": (lambda d: ("site", "round", "--out", d / "a.stl"), r"there is no site 'round'"),

@@ -129,6 +129,11 @@ def test_defaults_shown_are_those_that_hold(words):
     assert checked >= 4
 
 
+def test_every_subcommand_has_results_for_scripts():
+    for words, command in COMMANDS.items():
+        assert "--json" in [option for parameter in command.params for option in parameter.opts], words
+
+
 def complete(monkeypatch, capsys, line):
     """What the shell (bash) offers for the last word of the line."""
     words = line.split(" ")
