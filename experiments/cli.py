@@ -37,6 +37,7 @@ def optimise(
     fov: opt.Fov = None,
     diameter: opt.Diameter = None,
     working_distance: opt.Distance = None,
+    focus: opt.Focus = None,
     exclude: opt.Exclude = None,
     objective: opt.Objective = None,
     site_weights: opt.SiteWeights = None,
@@ -84,7 +85,7 @@ def optimise(
     options = dict(
         count=cameras, threshold=threshold, min_separation=min_separation, min_baseline=min_baseline,
         min_angle_deg=min_angle_deg, fixed_deg=fixed_deg, forbidden_deg=forbidden_deg, fov=fov, diameter=diameter,
-        working_distance=working_distance, exclude=exclude, objective=objective, site_weights=site_weights,
+        working_distance=working_distance, focus=focus, exclude=exclude, objective=objective, site_weights=site_weights,
         falloff_mm=falloff_mm, jitter=jitter, tilt_deg=tilt_deg, shift_mm=shift_mm, seed=seed, certify=certify,
         repair=repair, scale=scale,
     )  # fmt: skip
@@ -108,6 +109,7 @@ def count(
     fov: opt.Fov = None,
     diameter: opt.Diameter = None,
     working_distance: opt.Distance = None,
+    focus: opt.Focus = None,
     exclude: opt.Exclude = None,
     objective: opt.Objective = None,
     site_weights: opt.SiteWeights = None,
@@ -138,8 +140,8 @@ def count(
     options = dict(
         threshold=threshold, min_separation=min_separation, min_baseline=min_baseline, min_angle_deg=min_angle_deg,
         fixed_deg=fixed_deg, forbidden_deg=forbidden_deg, fov=fov, diameter=diameter, working_distance=working_distance,
-        exclude=exclude, objective=objective, site_weights=site_weights, falloff_mm=falloff_mm, jitter=jitter,
-        tilt_deg=tilt_deg, shift_mm=shift_mm, seed=seed, certify=certify, repair=repair, scale=scale,
+        focus=focus, exclude=exclude, objective=objective, site_weights=site_weights, falloff_mm=falloff_mm,
+        jitter=jitter, tilt_deg=tilt_deg, shift_mm=shift_mm, seed=seed, certify=certify, repair=repair, scale=scale,
     )  # fmt: skip
     command_count.run(
         meshes, rig, options, target=target, max_cameras=max_cameras, depth=depth, detail=detail, out=out, force=force,
@@ -160,6 +162,7 @@ def evaluate(
     fov: opt.Fov = None,
     diameter: opt.Diameter = None,
     working_distance: opt.Distance = None,
+    focus: opt.Focus = None,
     exclude: opt.Exclude = None,
     rig: opt.RigFile = None,
     depth: opt.Depth = None,
@@ -186,7 +189,7 @@ def evaluate(
 
     options = dict(
         count=cameras, threshold=threshold, min_baseline=min_baseline, fov=fov, diameter=diameter,
-        working_distance=working_distance, exclude=exclude, repair=repair, scale=scale,
+        working_distance=working_distance, focus=focus, exclude=exclude, repair=repair, scale=scale,
     )  # fmt: skip
     command_evaluate.run(
         mesh, rig, options, angles_deg=angles_deg, layout=layout, depth=depth, detail=detail, target=target, out=out,

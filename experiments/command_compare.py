@@ -59,7 +59,7 @@ def run(
         def area(angles, apart: float) -> float:
             cameras = rig.cameras(angles)
             result = exact.evaluate(about.mesh, cameras, threshold, excluded.mask, apart, report=advance)
-            refuse_unseen(about.name, result)
+            refuse_unseen(about, result)
             return result.area
 
         areas = [area(one.angles, baseline) for one in read]

@@ -10,7 +10,7 @@ import exact
 from experiments import layout_file, rig_file
 from experiments.errors import InputError
 from experiments.files import image_names, output_folder
-from experiments.inputs import Request, request
+from experiments.inputs import Request, Subject, request
 from experiments.progress import progress_bar
 from experiments.target import checked_target, reach
 from experiments.terminal import note, print_json, table, terminal
@@ -20,7 +20,7 @@ from meshes import fingerprint
 OUTPUTS = ("reconstructable.stl", "reconstructable.ply", "coverage.ply", "coverage.glb", "evaluation.json")
 # Cameras nearer to each other than this [mm] are in one place: less than any mount moves.
 SAME_PLACE = 1e-3
-RING_OPTIONS = ("fov", "diameter", "working_distance")
+RING_OPTIONS = ("fov", "diameter", "working_distance", "focus")
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +57,9 @@ def run(
             "with their number"
         )
     if layout is not None and (rig_path is not None or any(options[name] is not None for name in RING_OPTIONS)):
-        raise InputError("a layout brings its own ring; leave --rig, --fov, --diameter and --working-distance out")
+        raise InputError(
+            "a layout brings its own ring; leave --rig, --fov, --diameter, --working-distance and --focus out"
+        )
     asked = request(mesh, depth, detail, rig_file.rig(rig_path, **options))
     if layout is not None:
         cameras = _from_layout(layout, asked, options, force)
@@ -117,7 +119,7 @@ def _evaluate(asked: Request, given: _Cameras, with_maximum: bool) -> tuple[exac
         for camera in cameras:
             single.append(exact.evaluate(mesh, [camera], 1, excluded).area)
             advance(1)
-        refuse_unseen(asked.about.name, result)
+        refuse_unseen(asked.about, result)
         maximum = None
         if with_maximum:
             around = given.ring.cameras(given.ring.equidistant(n_ring))
@@ -162,13 +164,16 @@ def _write_images(folder: Path, asked: Request, given: _Cameras) -> None:
     note(f"wrote {folder / names[0]}{f' to {names[-1]}' if len(names) > 1 else ''}")
 
 
-def refuse_unseen(name: str, result: exact.Reconstruction) -> None:
+def refuse_unseen(about: Subject, result: exact.Reconstruction) -> None:
     """Raise InputError if no camera sees anything that counts."""
     if result.level_areas[0] == 0.0:
+        spans = ", ".join(
+            f"{axis} {low:g} to {high:g}" for axis, low, high in zip("xyz", *about.mesh.bounds.tolist(), strict=True)
+        )
         raise InputError(
-            f"no camera sees any part of {name} that counts; check that it lies at the focus (the origin), "
-            "inside the field of view, with its normals towards the cameras, and that its unit is millimetres "
-            "(--scale)"
+            f"no camera sees any part of {about.name} that counts; check that it lies at the focus (it spans "
+            f"{spans} mm, and --focus says where the cameras look), inside the field of view, with its normals towards "
+            "the cameras, and that its unit is millimetres (--scale)"
         )
 
 

@@ -62,6 +62,7 @@ Diameter = Annotated[float | None, typer.Option(help="diameter of the ring [mm]"
 Distance = Annotated[
     float | None, typer.Option(help="distance of the ring's plane from the focus [mm]", show_default="400")
 ]
+Focus = Annotated[str | None, typer.Option(help="the point that all cameras look at, x,y,z [mm]", show_default="0,0,0")]
 Exclude = Annotated[
     str | None,
     typer.Option(

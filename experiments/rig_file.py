@@ -21,7 +21,7 @@ import numpy as np
 import exact
 import placement
 from experiments.errors import InputError
-from experiments.words import parse_angles, parse_arcs, parse_fov, parse_weights
+from experiments.words import parse_angles, parse_arcs, parse_fov, parse_vector, parse_weights
 
 
 @dataclass(frozen=True)
@@ -74,7 +74,7 @@ WORD = Kind("a text in quotes", '"top"', _instance_of(str))
 NUMBERS = Kind("a list of numbers", "[0.0, 90.0]", _numbers, parse_angles)
 SIZE = Kind("a list of two numbers", "[36.0, 24.0]", lambda value: _numbers(value, 2), parse_fov)
 WEIGHTS = Kind("a list of numbers", "[1.0, 2.0]", _numbers, parse_weights)
-VECTOR = Kind("a list of three numbers", "[0.0, 0.0, 1.0]", lambda value: _numbers(value, 3))
+VECTOR = Kind("a list of three numbers", "[0.0, 0.0, 1.0]", lambda value: _numbers(value, 3), parse_vector)
 ARCS = Kind(
     "a list of [start, end]",
     "[[60.0, 90.0], [200.0, 230.0]]",

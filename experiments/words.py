@@ -53,6 +53,28 @@ def parse_angles(text: str, option: str = "--angles-deg") -> tuple[float, ...]:
     return degrees
 
 
+def parse_vector(text: str, option: str = "--focus") -> tuple[float, float, float]:
+    """Three coordinates separated by commas.
+
+    Raises
+    ------
+    InputError
+        If they are not three finite numbers.
+
+    Examples
+    --------
+    >>> parse_vector("310, -120,8.5")
+    (310.0, -120.0, 8.5)
+    """
+    try:
+        x, y, z = (float(part) for part in text.split(","))
+    except ValueError:
+        x = y = z = math.nan
+    if not all(math.isfinite(number) for number in (x, y, z)):
+        raise InputError(f"{option} is {text!r}; it must be three numbers x,y,z in millimetres, as in 310,-120,8.5")
+    return x, y, z
+
+
 def parse_weights(text: str, option: str = "--site-weights") -> tuple[float, ...]:
     """Weights separated by commas.
 

@@ -85,7 +85,7 @@ def sample_site(
     towards = faces_towards(mesh, ring)
     if not (towards & ~excluded).any():
         raise PlacementError(
-            _blind(f"none of the {int((~excluded).sum())} faces that count is turned towards it", ring)
+            _blind(f"none of the {int((~excluded).sum())} faces that count is turned towards it", ring, mesh)
         )
     ignored = excluded | ~towards if face_weights is None else excluded | ~towards | (face_weights == 0)
     if ignored.all():
@@ -93,13 +93,15 @@ def sample_site(
     n_samples = settings.n_samples if n_samples is None else n_samples
     samples = sample_surface(mesh, n_samples, ignored, seed, lambda corners: in_view(corners, ring))
     if len(samples) == 0:
-        raise PlacementError(_blind("what is turned towards it lies outside the field of view", ring))
+        raise PlacementError(_blind("what is turned towards it lies outside the field of view", ring, mesh))
     if face_weights is not None:
         samples = replace(samples, weights=samples.weights * face_weights[samples.faces])
     visibility = Visibility(mesh)
     profiles = ring_profiles(visibility, samples, ring, settings.n_angles, settings.bisections)
     if not profiles.visible.any():
-        raise PlacementError(_blind(f"all {len(samples)} sample points are hidden or outside the field of view", ring))
+        raise PlacementError(
+            _blind(f"all {len(samples)} sample points are hidden or outside the field of view", ring, mesh)
+        )
     everywhere = ring.equidistant(max(settings.ring_cameras, threshold))
     seen_from = profiles.at(everywhere).sum(axis=0)
     # Profiles miss arcs narrower than their step, which many cameras do not: there the points themselves are asked.
@@ -149,10 +151,12 @@ def in_view(corners: np.ndarray, ring: exact.Ring) -> np.ndarray:
     return seen
 
 
-def _blind(reason: str, ring: exact.Ring) -> str:
+def _blind(reason: str, ring: exact.Ring, mesh: trimesh.Trimesh) -> str:
+    low, high = (tuple(round(float(one), 3) for one in corner) for corner in mesh.bounds)
     return (
         f"no camera on this ring sees anything: {reason}. The ring looks from {ring.working_distance:g} mm at the "
-        f"focus {ring.focus} [mm]; check units, orientation and position of the mesh"
+        f"focus {ring.focus} [mm]; check units, orientation and position of the mesh, which reaches from {low} to "
+        f"{high}"
     )
 
 

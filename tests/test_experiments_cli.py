@@ -123,6 +123,21 @@ def test_site_writes_what_the_library_builds(camring, tmp_path):
     assert all(name in listing for name in meshes.SITES)
 
 
+def test_the_ring_looks_where_it_is_told_to(camring, scan, tmp_path):
+    mesh = meshes.load(scan)
+    mesh.apply_translation([310.0, -120.0, 8.5])
+    mesh.export(tmp_path / "elsewhere.stl")
+    _, _, err = camring("evaluate", tmp_path / "elsewhere.stl", "--cameras", "3")
+    assert "it spans x 295 to 325, y -135 to -105, z -1.5 to 18.5 mm, and --focus says" in " ".join(err.split())
+    area = json.loads(camring("evaluate", scan, "--cameras", "3", "--json")[1])["area_mm2"]
+    focus = ("--focus", "310,-120, 8.5", "--json")
+    moved = json.loads(camring("evaluate", tmp_path / "elsewhere.stl", "--cameras", "3", *focus)[1])
+    assert moved["ring"]["focus_mm"] == [310.0, -120.0, 8.5]
+    assert moved["area_mm2"] == pytest.approx(area, rel=1e-5)
+    status, _, err = camring("evaluate", scan, "--cameras", "3", "--focus", "1,2")
+    assert status == 2 and "--focus is '1,2'; it must be three numbers x,y,z in millimetres" in err
+
+
 def test_nothing_is_replaced_without_force(camring, scan, tmp_path):
     out = tmp_path / "flat.stl"
     out.write_text("precious", encoding="utf-8")

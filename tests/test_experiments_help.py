@@ -123,6 +123,8 @@ def test_defaults_shown_are_those_that_hold(words):
             assert option.show_default == "none"
         elif isinstance(default, str):
             assert option.show_default == default
+        elif isinstance(default, tuple):
+            assert option.show_default == ",".join(f"{number:g}" for number in default)
         else:
             assert float(option.show_default) == default, name
         checked += 1
