@@ -1,8 +1,12 @@
 # `make demo` and `make test` do all the set-up themselves, in a fresh clone and again without reinstalling.
 PYTHON ?= python3
 BIN := .venv/bin
+LOCK := UV_CUSTOM_COMPILE_COMMAND='make lock' $(BIN)/uv pip compile pyproject.toml --quiet --upgrade --python-version 3.11
+# A few minutes less than all: they touch every library that camring is made of.
+OLDEST_TESTS := $(addprefix tests/test_,dependencies.py exact_closed_forms.py exact_oracle.py::test_awkward_meshes \
+	meshes_load.py placement_soft_coverage.py placement_certificate.py bad_input.py)
 
-.PHONY: demo test lint docs clean
+.PHONY: demo test test-oldest lint lock docs clean
 
 demo: .venv/installed
 	$(BIN)/camring optimise circ_artery --depth 50 --cameras 4 --out out/demo --force
@@ -11,9 +15,19 @@ demo: .venv/installed
 test: .venv/installed-test lint
 	$(BIN)/pytest -n 2
 
+# The oldest releases that pyproject.toml allows, in an environment of their own. What they warn of is of their time.
+test-oldest: .venv-oldest/installed
+	.venv-oldest/bin/pytest -n 2 -W default $(OLDEST_TESTS)
+
 lint: .venv/installed-test
 	$(BIN)/ruff check .
 	$(BIN)/pyright
+
+# Write both files of pinned releases anew: the newest and the oldest that pyproject.toml allows.
+lock: .venv/bin/pip
+	$(BIN)/pip install --quiet uv
+	$(LOCK) --all-extras --universal --fork-strategy fewest --output-file requirements.lock
+	$(LOCK) --extra cluster --resolution lowest-direct --output-file requirements-oldest.lock
 
 # The documentation as web pages, out/docs/index.html; a warning is an error.
 docs: .venv/installed-docs
@@ -30,9 +44,15 @@ docs: .venv/installed-docs
 	$(BIN)/pip install --quiet --editable '.[test]'
 	touch .venv/installed $@
 
+.venv-oldest/installed: pyproject.toml requirements-oldest.lock
+	$(PYTHON) -m venv .venv-oldest
+	.venv-oldest/bin/pip install --quiet --requirement requirements-oldest.lock pytest pytest-xdist hypothesis beartype
+	.venv-oldest/bin/pip install --quiet --no-deps --editable .
+	touch $@
+
 .venv/installed-docs: pyproject.toml | .venv/bin/pip
 	$(BIN)/pip install --quiet --editable '.[docs]'
 	touch .venv/installed $@
 
 clean:
-	rm -rf .venv out build *.egg-info
+	rm -rf .venv .venv-oldest out build *.egg-info

@@ -1,5 +1,6 @@
 """A run that is stopped at any moment leaves files absent or whole, and the next one gives the same bytes."""
 
+import logging
 import os
 import random
 import re
@@ -15,6 +16,7 @@ from bad_input_cases import part
 
 ROOT = Path(__file__).parent.parent
 # More moments, shared among what takes long, by hand: CAMRING_KILLS=50 pytest tests/test_bad_input_kills.py
+# which tells with --log-cli-level=info how each run was met.
 KILLS = int(os.environ.get("CAMRING_KILLS", "0"))
 COMMANDS = ("optimise", "paper", "study") if KILLS else ("evaluate",)
 # The study with one site and one number of cameras: what `--quick` takes minutes for is more of the same.
@@ -43,6 +45,14 @@ def _files(out):
 def _results(out):
     """The files that are written when all is computed."""
     return [path for path in out.glob("*") if path.is_file() and not path.name.startswith(".")]
+
+
+@pytest.fixture(scope="module", autouse=True)
+def interruptible():
+    """What a shell starts in the background ignores SIGINT, and so would all that it starts."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
 
 
 @pytest.fixture(scope="module")
@@ -78,17 +88,19 @@ def _wait_for_moment(program, out, chance, late, writing, seconds):
 
 
 @pytest.mark.parametrize("kill", range(KILLS or 2))
-def test_a_killed_run_leaves_nothing_half_written(undisturbed, tmp_path, record_property, kill):
-    arguments, whole, *times = undisturbed(COMMANDS[kill % len(COMMANDS)])
-    how = signal.SIGKILL if kill % 2 else signal.SIGINT
+def test_a_killed_run_leaves_nothing_half_written(undisturbed, tmp_path, kill):
+    name = COMMANDS[kill % len(COMMANDS)]
+    arguments, whole, *times = undisturbed(name)
+    chance = random.Random(kill)
+    how = chance.choice((signal.SIGKILL, signal.SIGINT))
     out = tmp_path / "out"
     program = _start([*arguments, str(out)])
-    _wait_for_moment(program, out, random.Random(kill).random(), kill % 4 in (1, 2), *times)
+    _wait_for_moment(program, out, chance.random(), chance.random() < 0.5, *times)
     program.send_signal(how)
     program.wait()
-    record_property("ended", f"{COMMANDS[kill % len(COMMANDS)]} {program.returncode} after {len(_results(out))} files")
+    logging.info("%s ended with %d after %d results", name, program.returncode, len(_results(out)))
     assert program.returncode in (0, 130, -how)
-    found = {name: data for name, data in _files(out).items() if not Path(name).name.startswith(".")}
+    found = {file: data for file, data in _files(out).items() if not Path(file).name.startswith(".")}
     assert found.items() <= whole.items()
     assert _start([*arguments, str(out), "--force"]).wait() == 0
     assert _files(out) == whole
