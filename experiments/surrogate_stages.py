@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -37,7 +37,7 @@ def stages(
     """Search from the same random starts with each sequence of temperatures [rad]; times are without compiling."""
     site = sample_site(truth.mesh, truth.ring, THRESHOLD, truth.exclude, settings)
     # Shares of the ring maximum, as in a search: its tolerances are absolute.
-    profiles = replace(site.profiles, weights=site.profiles.weights / site.ring_area)
+    profiles = site.profiles.scaled(1 / site.ring_area)
     surrogate, coverage = Surrogate(profiles, THRESHOLD), SampledCoverage(profiles, THRESHOLD, n_grid=4)
     space = LayoutSpace(truth.ring, n_cameras, Constraints(min_separation=MIN_SEPARATION))
     rng = np.random.default_rng(0)

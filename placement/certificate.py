@@ -31,8 +31,6 @@ STEP_TOLERANCE = 1e-6
 MOST_HALVINGS = 2
 # Random layouts that are moved onto the grid, beside those that are known, to find a good one there.
 GRID_STARTS = 8
-# Interleaved parts of the samples whose scatter measures the sampling error.
-ERROR_PARTS = 8
 
 
 @dataclass(frozen=True)
@@ -265,10 +263,7 @@ def _sampling_error(profiles: RingProfiles, layout, threshold: int) -> float:
         return float("nan")
     covered = profiles.at(layout).sum(axis=0) >= threshold
     binding = profiles.site == int(profiles.sums(covered).argmin())
-    covered, weights = covered[binding], profiles.weights[binding]
-    part = np.arange(len(covered)) % ERROR_PARTS
-    ring = profiles.visible[:, binding].sum(axis=0) >= threshold
-    n_in = np.bincount(part, weights=weights * ring, minlength=ERROR_PARTS)
-    got = np.bincount(part, weights=weights * (covered & ring), minlength=ERROR_PARTS)
+    inside = binding & (profiles.visible.sum(axis=0) >= threshold)
+    n_in, got = profiles.parts @ inside, profiles.parts @ (inside & covered)
     fractions = got / np.where(n_in > 0, n_in, 1.0)
-    return float(fractions.std(ddof=1) / np.sqrt(ERROR_PARTS))
+    return float(fractions.std(ddof=1) / np.sqrt(len(fractions)))

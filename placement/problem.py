@@ -130,9 +130,10 @@ def _joined(parts, sites: Sites) -> RingProfiles:
     """Profiles of all sites whose weights are shares of the ring maximum: of all, or of each in a sum of its own."""
     worst = sites.objective == "worst"
     shares = np.ones(len(parts)) if worst else sites.shares
-    scales = [share / part.ring_area for share, part in zip(shares, parts, strict=True)]
+    scaled = [part.profiles.scaled(share / part.ring_area) for share, part in zip(shares, parts, strict=True)]
     return RingProfiles(
-        np.concatenate([part.profiles.signed_distance for part in parts], axis=1),
-        np.concatenate([scale * part.profiles.weights for scale, part in zip(scales, parts, strict=True)]),
-        np.concatenate([np.full(len(part.profiles.weights), i * worst) for i, part in enumerate(parts)]),
+        np.concatenate([profiles.signed_distance for profiles in scaled], axis=1),
+        np.concatenate([profiles.weights for profiles in scaled]),
+        np.concatenate([np.full(len(profiles.weights), i * worst) for i, profiles in enumerate(scaled)]),
+        np.concatenate([profiles.parts for profiles in scaled], axis=1),
     )

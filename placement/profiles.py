@@ -11,7 +11,7 @@ angles becomes a signed angular distance to the nearest change, positive where v
                        \/      \  /    \ /    \      \
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import trimesh
@@ -28,6 +28,8 @@ from placement.sampling import SurfaceSamples
 # or two degrees, where a start 1e-5 above moved the border of a shadow enough to change areas by 0.3 %.
 RAY_OFFSET = 1e-6
 RAYS_PER_BATCH = 1_000_000  # some 100 MB of intermediate arrays
+# Interleaved parts of the samples.
+N_PARTS = 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,16 +45,22 @@ class RingProfiles:
         What each point counts: the area it stands for [mm²], or its share of the ring maximum.
     site : (N,) ndarray of int
         Sum to which each point belongs, from 0; what a layout is worth is the least of its sums.
+    parts : (P, N) ndarray
+        Weight of each point in each of P interleaved parts of the samples, whose scatter measures the sampling error;
+        they add up to `weights`. A point that stands for several samples has weight in several parts.
     """
 
     signed_distance: np.ndarray
     weights: np.ndarray
     site: np.ndarray
+    parts: np.ndarray
 
     @staticmethod
     def of(signed_distance: np.ndarray, weights: np.ndarray) -> "RingProfiles":
-        """Profiles of which all points belong to one sum."""
-        return RingProfiles(signed_distance, weights, np.zeros(len(weights), dtype=np.int64))
+        """Profiles of single samples, of which all belong to one sum."""
+        number = np.arange(len(weights))
+        parts = np.where(number % N_PARTS == np.arange(N_PARTS)[:, None], weights, 0.0)
+        return RingProfiles(signed_distance, weights, np.zeros(len(weights), dtype=np.int64), parts)
 
     @property
     def n_sites(self) -> int:
@@ -75,7 +83,11 @@ class RingProfiles:
 
     def subset(self, keep: np.ndarray) -> "RingProfiles":
         """Profiles of the points where the (N,) mask `keep` is true."""
-        return RingProfiles(self.signed_distance[:, keep], self.weights[keep], self.site[keep])
+        return RingProfiles(self.signed_distance[:, keep], self.weights[keep], self.site[keep], self.parts[:, keep])
+
+    def scaled(self, factor: float) -> "RingProfiles":
+        """The same points, each counting `factor` times as much."""
+        return replace(self, weights=factor * self.weights, parts=factor * self.parts)
 
     def at(self, angles) -> np.ndarray:
         """Visibility of each point from any ring angles, by periodic linear interpolation.

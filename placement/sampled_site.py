@@ -167,8 +167,9 @@ def _merged(profiles: RingProfiles) -> RingProfiles:
     decided = profiles.subset((seen_from > 0) & ~always)
     if not always.any():
         return decided
-    one = np.full((profiles.n_angles, 1), np.pi)
-    return RingProfiles.of(
-        np.concatenate([decided.signed_distance, one], axis=1),
+    return RingProfiles(
+        np.concatenate([decided.signed_distance, np.full((profiles.n_angles, 1), np.pi)], axis=1),
         np.append(decided.weights, profiles.weights[always].sum()),
+        np.append(decided.site, 0),
+        np.concatenate([decided.parts, profiles.parts[:, always].sum(axis=1, keepdims=True)], axis=1),
     )

@@ -31,7 +31,8 @@ def made_up_site(seed, n_points=120, n_angles=40, n_sites=1):
         arc(middle, half_width), np.where(rng.random(n_points) < 0.6, arc(middle + np.pi, half_width / 2), -1)
     )
     visible, weights = distance > 0, rng.uniform(0.5, 2.0, n_points)
-    return RingProfiles(distance, weights / weights[visible.sum(axis=0) >= 2].sum(), np.arange(n_points) % n_sites)
+    of = RingProfiles.of(distance, weights / weights[visible.sum(axis=0) >= 2].sum())
+    return dataclasses.replace(of, site=np.arange(n_points) % n_sites)
 
 
 def brute_force(program):
@@ -199,3 +200,16 @@ def test_errors():
         placement.certify(plate, RING, n_cameras=12, constraints=Constraints(10.0), settings=QUICK)
     with pytest.raises(PlacementError, match="certificate_step must be within"):
         Settings(certificate_step=0.0)
+
+
+def test_the_standard_error_is_the_scatter_over_seeds_also_where_most_samples_are_seen_from_everywhere():
+    plate = trimesh.creation.box((40, 40, 8)).apply_translation((0, 0, -4))
+    hole = trimesh.creation.box((5, 5, 16)).apply_translation((3, 2, 0))
+    mesh = plate.difference(hole, engine="manifold")
+    settings = Settings(n_samples=600, n_angles=36, bisections=2, certificate_step=float(np.radians(45)))
+    found = [
+        placement.certify(mesh, RING, 3, settings=settings, seed=seed, layout=[0.3, 2.0, 4.1]) for seed in range(12)
+    ]
+    scatter = np.std([certificate.layout_fraction for certificate in found], ddof=1)
+    told = np.sqrt(np.mean([certificate.sampling_error**2 for certificate in found]))
+    assert scatter / 1.5 < told < 3 * scatter, (scatter, told)

@@ -1,3 +1,4 @@
+import dataclasses
 import importlib
 import importlib.util
 import itertools
@@ -75,7 +76,8 @@ def test_moving_cameras_over_the_grid_agrees_with_the_area_of_each_layout(profil
 def two_sites(profiles):
     """The same points, dealt out to two sites of which one is harder to see."""
     hard_ones = np.argsort(profiles.visible.sum(axis=0)) < 100
-    return RingProfiles(profiles.signed_distance, profiles.weights / profiles.weights.sum(), hard_ones.astype(np.int64))
+    of = RingProfiles.of(profiles.signed_distance, profiles.weights / profiles.weights.sum())
+    return dataclasses.replace(of, site=hard_ones.astype(np.int64))
 
 
 @pytest.mark.parametrize("min_baseline", [0.0, 12.0])
