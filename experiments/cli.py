@@ -11,7 +11,8 @@ import typer
 
 import experiments.options as opt
 from experiments.compiled import keep_compiled
-from experiments.exits import as_documented, flushed, print_anything
+from experiments.exits import REFUSED, as_documented, flushed, print_anything
+from experiments.memory_limit import ran_out, too_low
 
 app = typer.Typer(
     name="camring",
@@ -436,15 +437,22 @@ def main(arguments: list[str] | None = None) -> None:
     """Run `camring` and exit: 0; 1 if a target was missed; 2, with one message, if the request cannot be met."""
     keep_compiled()
     print_anything()
+    refusal = None if "numpy" in sys.modules else too_low(sys.argv[1:] if arguments is None else arguments)
     try:
-        app(arguments, prog_name="camring")
+        if refusal is None:
+            app(arguments, prog_name="camring")
         status = 0
     except SystemExit as end:
         status = as_documented(end.code)
+    except MemoryError as error:  # which to import more would take, too
+        refusal = ran_out(error)
     except Exception as error:
         from experiments.refusals import say
 
         status = say(error)
+    if refusal is not None:
+        print(f"camring: {refusal}", file=sys.stderr)
+        status = REFUSED
     if "experiments.folder_lock" in sys.modules:
         sys.modules["experiments.folder_lock"].release_all()
     sys.exit(flushed(status))

@@ -8,6 +8,7 @@ import exact
 import meshes
 from experiments.errors import InputError, TargetMissed
 from experiments.exits import FAULT, REFUSED, TARGET_MISSED
+from experiments.memory_limit import ran_out
 
 
 def exit_status(error: BaseException) -> int:
@@ -54,11 +55,7 @@ def say(error: BaseException) -> int:
     if status == FAULT:
         traceback.print_exception(error)
     elif out_of_memory(error):
-        print(
-            f"camring: not enough memory ({str(error)[:120] or 'none is left'}); take a coarser mesh, fewer cameras or "
-            "fewer samples, or allow more memory (ulimit -v)",
-            file=sys.stderr,
-        )
+        print(f"camring: {ran_out(error)}", file=sys.stderr)
     elif _no_room(error):
         print(
             f"camring: cannot write: {error}; make room, or give standard output and results another place",

@@ -235,6 +235,20 @@ def test_too_little_memory(tmp_path):
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.parametrize(
+    ("command", "allowed", "needed"), [("evaluate", 300_000_000, "0.7 GB"), ("optimise", 1_200_000_000, "2.5 GB")]
+)
+def test_too_little_memory_to_start_with(tmp_path, command, allowed, needed):
+    program = started(
+        command, "circ_flat", "--detail", "coarse", "--cameras", 4, "--out", tmp_path / "out", stdout=subprocess.PIPE,
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (allowed, allowed)),
+    )  # fmt: skip
+    out, err = program.communicate()
+    assert (program.returncode, out, list(tmp_path.iterdir())) == (2, "", [])
+    assert err.startswith("camring: not enough memory: ") and f"`camring {command}` needs {needed} to start" in err
+    assert len(err.splitlines()) == 1
+
+
 def test_a_worker_that_is_killed(camring):
     mesh, ring = box(), exact.Ring()
     layouts = [ring.cameras([0.0, 3.0 + number / 1000]) for number in range(400)]
