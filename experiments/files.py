@@ -41,7 +41,8 @@ def written_whole(path: Path) -> Iterator[Path]:
         os.replace(temporary, path)
     except OSError as error:
         raise InputError(
-            f"cannot write {path}: {error.strerror or error}; make room, or give another place, and run it again"
+            f"cannot write {path}: {error.strerror or error}; make room, or give another place, and run it "
+            "again (with --force over what is written already)"
         ) from error
     finally:
         if temporary is not None:
