@@ -15,6 +15,7 @@ from experiments.coverage_figure import Panel, write_coverage
 from experiments.exports import formats
 from experiments.exports.cameras import named_cameras
 from experiments.files import output_folder
+from experiments.inputs import is_site
 from experiments.progress import progress_stages
 from experiments.subjects import Request, request
 from experiments.target import checked_target, reach
@@ -44,7 +45,8 @@ def run(
     """Optimise, print and write; `options` are those of the rig, by the names of their keys."""
     checked_target(target)
     names = () if export is None else formats.parse_formats(export, "--export", (*formats.FORMATS, "mesh"))
-    start_processes(available_cores())  # which takes as long as building a site
+    if any(is_site(name) for name in meshes):
+        start_processes(available_cores())  # which takes as long as building a site
     asked = request(meshes, depth, detail, rig_file.rig(rig_path, **options))
     asked.check_cameras(asked.rig.n_cameras)
     meshes_too = coverage_mesh.FILES if "mesh" in names else ()
