@@ -42,7 +42,7 @@ def page(layouts: Sequence[LayoutRow], even: Sequence[EquidistantRow], figures: 
         "## Every number of cameras",
         "Percent of the ring maximum. *Bound*: no layout at any angles reconstructs more of the samples (in italics "
         "where the best layout on the 5° grid was not proven to 0.2 % within the time limit; the bound holds all the "
-        "same). The samples' own error, about 0.2 %, comes on top.",
+        "same). The samples' own error, about 0.1 %, comes on top.",
         *(f"### {site}, {depth} mm\n\n{_site_table(layouts, site, depth)}" for site, depth in sites_of(layouts)),
         *_certificates(layouts),
         *_all_sites(layouts),

@@ -3,6 +3,7 @@
 import os
 import threading
 import time
+import warnings
 from concurrent.futures import Executor, Future
 from typing import Protocol
 
@@ -51,6 +52,8 @@ class LocalPool:
         self._executor = self._new()
 
     def _new(self) -> ProcessPoolExecutor:
+        # What a process remembers from task to task, loky takes for a leak; it starts a new one, which does no harm.
+        warnings.filterwarnings("ignore", "A worker was restarted while some jobs", UserWarning)
         return ProcessPoolExecutor(
             self.places, timeout=IDLE_SECONDS, env=ONE_THREAD, initializer=_leave_with, initargs=(os.getpid(),)
         )
