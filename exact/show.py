@@ -80,8 +80,6 @@ def add_polygons(ax: "Axes", polygons: np.ndarray, fill: np.ndarray, shift=(0.0,
     from matplotlib.collections import PathCollection
     from matplotlib.path import Path as Outline
 
-    if not len(polygons):
-        return
     upright = shapely.transform(polygons, lambda xy: xy * [1.0, -1.0] + shift)
     part, of_region = shapely.get_parts(upright, return_index=True)
     ring, of_part = shapely.get_rings(part, return_index=True)
@@ -89,7 +87,8 @@ def add_polygons(ax: "Axes", polygons: np.ndarray, fill: np.ndarray, shift=(0.0,
     begins, ends = np.diff(of_ring, prepend=-1) > 0, np.diff(of_ring, append=len(ring)) > 0
     code = np.select([begins, ends], [Outline.MOVETO, Outline.CLOSEPOLY], Outline.LINETO).astype(Outline.code_type)
     next_region = np.searchsorted(of_region[of_part][of_ring], np.arange(1, len(polygons)))
-    outlines = [Outline(*one) for one in zip(np.split(corner, next_region), np.split(code, next_region), strict=True)]
+    pieces = list(zip(np.split(corner, next_region), np.split(code, next_region), strict=True))
+    outlines = [Outline(*piece) for piece in pieces[: len(polygons)]]  # there is a piece even of nothing
     # The hairline of the same colour closes the seams that anti-aliasing leaves between neighbours.
     ax.add_collection(PathCollection(outlines, facecolors=fill, edgecolors=fill, linewidths=0.3, rasterized=True))
 

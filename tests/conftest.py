@@ -4,6 +4,7 @@ import os
 import tempfile
 from pathlib import Path
 
+import matplotlib
 import pytest
 
 from experiments.cli import main
@@ -18,6 +19,8 @@ keep_compiled()
 def _own_cache_folder():
     """Nothing that earlier runs have remembered, and nothing for later ones."""
     with tempfile.TemporaryDirectory() as folder, pytest.MonkeyPatch.context() as patch:
+        # Where matplotlib's list of fonts is: making it anew takes a while, and matplotlib says so.
+        patch.setenv("MPLCONFIGDIR", matplotlib.get_cachedir())
         patch.setenv("XDG_CACHE_HOME", folder)
         yield
 

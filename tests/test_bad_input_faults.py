@@ -239,14 +239,18 @@ def test_too_little_memory(tmp_path):
     ("command", "allowed", "needed"), [("evaluate", 300_000_000, "0.7 GB"), ("optimise", 1_200_000_000, "2.5 GB")]
 )
 def test_too_little_memory_to_start_with(tmp_path, command, allowed, needed):
-    program = started(
-        command, "circ_flat", "--detail", "coarse", "--cameras", 4, "--out", tmp_path / "out", stdout=subprocess.PIPE,
-        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (allowed, allowed)),
-    )  # fmt: skip
-    out, err = program.communicate()
-    assert (program.returncode, out, list(tmp_path.iterdir())) == (2, "", [])
-    assert err.startswith("camring: not enough memory: ") and f"`camring {command}` needs {needed} to start" in err
-    assert len(err.splitlines()) == 1
+    code = (
+        "import resource, sys\n"
+        "from experiments.cli import main\n"
+        f"resource.setrlimit(resource.RLIMIT_AS, ({allowed},) * 2)\n"
+        "main(sys.argv[1:])\n"
+    )
+    arguments = (command, "circ_flat", "--detail", "coarse", "--cameras", "4", "--out", str(tmp_path / "out"))
+    program = subprocess.run([sys.executable, "-c", code, *arguments], capture_output=True, text=True, check=False)
+    assert (program.returncode, program.stdout, list(tmp_path.iterdir())) == (2, "", [])
+    assert program.stderr.startswith("camring: not enough memory: ")
+    assert f"`camring {command}` needs {needed} to start" in program.stderr
+    assert len(program.stderr.splitlines()) == 1
 
 
 def test_a_worker_that_is_killed(camring):
