@@ -11,7 +11,7 @@ import typer
 
 import experiments.options as opt
 from experiments.compiled import keep_compiled
-from experiments.exits import REFUSED, as_documented, flushed, print_anything
+from experiments.exits import REFUSED, as_documented, finish_undisturbed, flushed, print_anything
 from experiments.memory_limit import ran_out, too_low
 
 app = typer.Typer(
@@ -455,6 +455,7 @@ def main(arguments: list[str] | None = None) -> None:
         status = REFUSED
     if "experiments.folder_lock" in sys.modules:
         sys.modules["experiments.folder_lock"].release_all()
+    finish_undisturbed()
     sys.exit(flushed(status))
 
 

@@ -1,7 +1,9 @@
 """With which status `camring` ends, and that all it printed has arrived before it does."""
 
+import atexit
 import io
 import os
+import signal
 import sys
 
 TARGET_MISSED, REFUSED, FAULT, INTERRUPTED = 1, 2, 70, 130
@@ -21,6 +23,11 @@ def as_documented(status: object) -> int:
         print("camring: interrupted; what is written is whole", file=sys.stderr)
     known = status if isinstance(status, int) else 0
     return PIPE_CLOSED if known == 1 else known
+
+
+def finish_undisturbed() -> None:
+    """Take no interrupt any more once Python has begun to end: all is written, and taking itself down may abort it."""
+    atexit.register(signal.signal, signal.SIGINT, signal.SIG_IGN)
 
 
 def print_anything() -> None:
