@@ -147,7 +147,7 @@ def test_constraints_are_understood_or_refused(kept, n_cameras):
 @pytest.mark.parametrize("reader", ["mesh", "layout", "rig"])
 def test_files_of_any_bytes_are_read_or_refused(reader):
     with tempfile.TemporaryDirectory() as found:
-        options = ("-max_total_time=3", "-seed=1", f"-artifact_prefix={found}/")
+        options = ("-max_total_time=4", "-seed=1", f"-artifact_prefix={found}/")
         run = subprocess.run(
             [sys.executable, FUZZER, reader, *options], capture_output=True, text=True, errors="replace", check=False
         )
