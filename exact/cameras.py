@@ -19,6 +19,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from exact.errors import ExactError
+from exact.whole_numbers import is_whole
 
 # Lengths and coordinates of rings [mm]. Beyond, squares overflow or vanish, and a ring far off falls onto its focus.
 SHORTEST, LONGEST = 1e-9, 1e9
@@ -293,8 +294,7 @@ class Ring:
         >>> np.degrees(Ring().equidistant(4)).tolist()
         [90.0, 180.0, 270.0, 360.0]
         """
-        is_number = isinstance(n_cameras, int | float | np.number)
-        if not (is_number and 1 <= n_cameras < np.inf and int(n_cameras) == n_cameras):
+        if not (is_whole(n_cameras) and n_cameras >= 1):
             raise ExactError(f"number of cameras is {n_cameras}; it must be a whole number, at least 1")
         if n_cameras > MOST_CAMERAS:
             raise ExactError(f"number of cameras is {n_cameras}; it must be at most {MOST_CAMERAS}")

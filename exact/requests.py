@@ -1,6 +1,5 @@
 """What a request to the evaluator may be; everything else is refused before any work is done."""
 
-import math
 import sys
 from collections.abc import Sequence
 
@@ -8,20 +7,10 @@ import numpy as np
 
 from exact.cameras import Camera
 from exact.errors import ExactError
+from exact.whole_numbers import is_whole
 
 # Two cameras are "at least that far apart" if they fall short of it by rounding only.
 SAME_LENGTH = 1e-12
-
-
-def is_whole(number) -> bool:
-    """Whether it is a whole number: of any type, and neither nan nor infinite.
-
-    Examples
-    --------
-    >>> is_whole(2), is_whole(2.0), is_whole(2.5), is_whole(float("nan")), is_whole("2")
-    (True, True, False, False, False)
-    """
-    return bool(isinstance(number, int | float | np.number) and -math.inf < number < math.inf and number == int(number))
 
 
 def checked_threshold(threshold: int, n_cameras: int) -> int:

@@ -3,6 +3,7 @@
 import numpy as np
 import trimesh
 
+from exact.whole_numbers import is_whole
 from placement.constraints import checked_seed
 from placement.errors import PlacementError
 
@@ -55,7 +56,7 @@ def jitter(
         raise PlacementError(f"tilt_deg is {tilt_deg}; it must be from 0 to 90 [degrees]")
     if not (np.isfinite(shift_mm) and shift_mm >= 0):
         raise PlacementError(f"shift_mm is {shift_mm}; it must be finite and at least 0 [mm]")
-    if not (isinstance(n, int | float | np.number) and 1 <= n < np.inf and int(n) == n):
+    if not (is_whole(n) and n >= 1):
         raise PlacementError(f"number of poses is {n}; it must be a whole number, at least 1")
     rng = np.random.default_rng(checked_seed(seed))
     poses = [mesh.copy()]

@@ -20,6 +20,7 @@ from embreex.rtcore_scene import EmbreeScene
 
 import exact
 from exact.cameras import MOST_CAMERAS
+from exact.whole_numbers import is_whole
 from placement.errors import PlacementError
 from placement.sampling import SurfaceSamples
 
@@ -226,7 +227,7 @@ def ring_profiles(
     >>> np.unique(profiles.signed_distance).tolist()  # seen from everywhere
     [3.141592653589793]
     """
-    if int(n_angles) != n_angles or n_angles < 4:
+    if not (is_whole(n_angles) and n_angles >= 4):
         raise PlacementError(f"number of profile angles is {n_angles}; it must be a whole number, at least 4")
     visibility = mesh if isinstance(mesh, Visibility) else Visibility(mesh)
     step = 2 * np.pi / n_angles

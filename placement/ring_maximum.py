@@ -85,13 +85,17 @@ class RingMaximum:
         return tuple(self._area(site) for site in self._sites.members)
 
     def _area(self, site: Site) -> float:
-        key, memory = self._key(site), {} if self._memory is None else self._memory
-        found = memory.get(key)
+        if self._memory is None:
+            return self._evaluated(site)
+        key = self._key(site)
+        found = self._memory.get(key)
         if found is None:
-            cameras = self._ring.cameras(self._ring.equidistant(self._n_cameras))
-            found = exact.evaluate(**evaluation(site, self._threshold), cameras=cameras, workers=self._workers).area
-            memory[key] = found
+            found = self._memory[key] = self._evaluated(site)
         return found
+
+    def _evaluated(self, site: Site) -> float:
+        cameras = self._ring.cameras(self._ring.equidistant(self._n_cameras))
+        return exact.evaluate(**evaluation(site, self._threshold), cameras=cameras, workers=self._workers).area
 
     def _key(self, site: Site) -> str:
         content = hashlib.sha256(repr((_evaluator(), self._ring, self._threshold, self._n_cameras)).encode())

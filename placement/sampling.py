@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 import trimesh
 
+from exact.whole_numbers import is_whole
 from placement.errors import PlacementError
 
 # A piece may be this many times as long as the side of a square that holds one stratum's area: with 2, pieces
@@ -91,7 +92,7 @@ def sample_surface(
     >>> len(samples), round(samples.area, 9)
     (1000, 500.0)
     """
-    if int(n_samples) != n_samples or n_samples < 1:
+    if not (is_whole(n_samples) and n_samples >= 1):
         raise PlacementError(f"number of samples is {n_samples}; it must be a whole number, at least 1")
     used = ~checked_exclude(mesh, exclude)
     faces = np.flatnonzero(used & (mesh.area_faces > 0))
