@@ -15,7 +15,7 @@ from docutils.nodes import SkipNode, math, math_block
 from sphinx.application import Sphinx
 from sphinx.writers.html5 import HTML5Translator
 
-from experiments.command_rig import commented
+from experiments.request.rig_template import commented
 
 project = "camring"
 author = "the authors of camring"
@@ -58,7 +58,7 @@ def formula(translator: HTML5Translator, node: math | math_block) -> None:
 
 def write_generated_pages(app: Sphinx) -> None:
     """`commands.md` and `rig_file.md`, from what they describe."""
-    command = [sys.executable, "-m", "typer", "experiments.cli", "utils", "docs", "--name", "camring"]
+    command = [sys.executable, "-m", "typer", "experiments.cli.app", "utils", "docs", "--name", "camring"]
     written = subprocess.run(command, check=True, capture_output=True, text=True, encoding="utf-8").stdout
     head = "# Every command and option\n\nAs `camring --help` and `camring optimise --help` say it, too.\n\n"
     written = re.sub(r"^Example: (camring .+)$", r"Example: `\1`", written, flags=re.M)

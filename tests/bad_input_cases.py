@@ -17,8 +17,9 @@ import trimesh
 import exact
 import meshes
 import placement
-from experiments import layout_file, rig_file
-from experiments.errors import InputError
+from experiments.files.errors import InputError
+from experiments.request import layout_file
+from experiments.request import rig as rig_file
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,8 @@ from pathlib import Path
 import matplotlib
 import pytest
 
-from experiments.cli import main
-from experiments.compiled import keep_compiled
+from experiments.cli.app import main
+from experiments.cli.jax_cache import keep_compiled
 
 # Compiling takes most of the time of many tests: the processes of a run share what they compile.
 os.environ.setdefault("JAX_COMPILATION_CACHE_DIR", str(Path(__file__).parent.parent / ".pytest_cache" / "jax"))

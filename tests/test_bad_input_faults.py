@@ -100,7 +100,7 @@ def test_a_full_disk(camring, tmp_path, monkeypatch, fill_disk, file, command):
 def test_what_a_killed_run_left_is_removed_by_the_next(camring, tmp_path):
     out, mine = tmp_path / "out", tmp_path / "out" / ".my-settings.toml"
     code = (
-        "import os, signal, sys\nfrom pathlib import Path\nfrom experiments.files import written_whole\n"
+        "import os, signal, sys\nfrom pathlib import Path\nfrom experiments.files.whole import written_whole\n"
         "with written_whole(Path(sys.argv[1]) / 'of another command.csv'):\n    os.kill(os.getpid(), signal.SIGKILL)\n"
     )
     out.mkdir()
@@ -185,7 +185,7 @@ def test_a_layout_serves_another_mesh_by_force(camring, tmp_path):
     assert camring(*arguments)[0] == 0
 
 
-RUN = (sys.executable, "-m", "experiments.cli")
+RUN = (sys.executable, "-m", "camring")
 
 
 def started(*arguments, **options):
@@ -218,7 +218,7 @@ def test_too_little_memory(tmp_path):
     """Ten thousand cameras before a fine mesh, in a process that may take no more than it has after its start."""
     code = (
         "import resource, sys\n"
-        "from experiments.cli import main\n"
+        "from experiments.cli.app import main\n"
         "from experiments import command_evaluate, coverage_mesh\n"
         "used = int(open('/proc/self/statm').read().split()[0]) * resource.getpagesize()\n"
         "resource.setrlimit(resource.RLIMIT_AS, (used + 200_000_000,) * 2)\n"
@@ -241,7 +241,7 @@ def test_too_little_memory(tmp_path):
 def test_too_little_memory_to_start_with(tmp_path, command, allowed, needed):
     code = (
         "import resource, sys\n"
-        "from experiments.cli import main\n"
+        "from experiments.cli.app import main\n"
         f"resource.setrlimit(resource.RLIMIT_AS, ({allowed},) * 2)\n"
         "main(sys.argv[1:])\n"
     )
@@ -272,7 +272,7 @@ def test_a_worker_that_is_killed(camring):
 
 def test_two_runs_do_not_write_into_one_folder(camring, tmp_path):
     code = (
-        "import sys\nfrom pathlib import Path\nfrom experiments.files import output_folder\n"
+        "import sys\nfrom pathlib import Path\nfrom experiments.files.whole import output_folder\n"
         "output_folder(Path(sys.argv[1]), ['a.txt'], False)\nprint('held', flush=True)\nsys.stdin.read()\n"
     )
     first = subprocess.Popen(

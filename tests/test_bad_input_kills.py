@@ -23,7 +23,7 @@ COMMANDS = ("optimise", "paper", "study") if KILLS else ("evaluate",)
 SMALL_STUDY = (
     "import sys\n"
     "from experiments import command_study\n"
-    "from experiments.cli import main\n"
+    "from experiments.cli.app import main\n"
     "plan = command_study.Plan((('circ_flat', 50),), (2,), (), (), (2, 3, 4), 'coarse')\n"
     "command_study.Plan.of = staticmethod(lambda quick, detail: plan)\n"
     "main(sys.argv[1:])\n"
@@ -60,7 +60,7 @@ def undisturbed(tmp_path_factory, quick_search):
     """By command: its arguments but for the output folder, what it writes, how long that and all of it take [s]."""
     folder = tmp_path_factory.mktemp("kills")
     (folder / "rig.toml").write_text("[cameras]\ncount = 3\n" + quick_search, encoding="utf-8")
-    mesh, camring = str(part(folder)), (sys.executable, "-m", "experiments.cli")
+    mesh, camring = str(part(folder)), (sys.executable, "-m", "camring")
     of = {
         "paper": (*camring, "paper", "--quick", "--out"),
         "study": (sys.executable, "-c", SMALL_STUDY, "study", "--quick", "--out"),

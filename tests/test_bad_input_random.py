@@ -14,8 +14,9 @@ from hypothesis import strategies as st
 
 import exact
 import placement
-from experiments import layout_file, rig_file
-from experiments.errors import InputError
+from experiments.files.errors import InputError
+from experiments.request import layout_file
+from experiments.request import rig as rig_file
 from placement.arcs import LayoutSpace
 
 FUZZER = Path(__file__).parent / "fuzz" / "fuzz_readers.py"

@@ -9,7 +9,7 @@ import pytest
 import trimesh
 import typer
 
-from experiments.cli import app
+from experiments.cli.app import app
 
 ROOT = Path(__file__).parent.parent
 # Written by a build of the documentation, from what is tested elsewhere.

@@ -7,10 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from experiments import bench_surrogate, cli, surrogate_accuracy
-from experiments.bench_surrogate import Plan, check
-from experiments.surrogate_accuracy import Accuracy
-from experiments.surrogate_statistics import error_sizes, gradient_error, rank_correlation, standard_error
+from experiments.bench import surrogate as bench_surrogate
+from experiments.bench import surrogate_accuracy
+from experiments.bench.surrogate import Plan, check
+from experiments.bench.surrogate_accuracy import Accuracy
+from experiments.bench.surrogate_statistics import error_sizes, gradient_error, rank_correlation, standard_error
+from experiments.cli import app as cli
 from placement.profiles import RingProfiles
 from placement.settings import Settings
 from placement.surrogate import Surrogate

@@ -8,7 +8,7 @@ import pytest
 import trimesh
 
 import exact
-from experiments.camera_images import CLIPPED_COLOUR, WHOLE_COLOUR, write_camera_images
+from experiments.figures.camera_images import CLIPPED_COLOUR, WHOLE_COLOUR, write_camera_images
 
 
 def plate(side):

@@ -12,7 +12,7 @@ import trimesh
 
 import exact
 import meshes
-from experiments.cli import main
+from experiments.cli.app import main
 
 
 @pytest.fixture(scope="module")
@@ -153,7 +153,8 @@ def test_nothing_is_replaced_without_force(camring, scan, tmp_path):
 
 
 def test_results_for_machines_are_all_of_stdout(camring, scan, tmp_path, monkeypatch):
-    from experiments import bench_exact, bench_sites
+    from experiments.bench import exact_areas as bench_exact
+    from experiments.bench import sites as bench_sites
 
     _, out, err = camring("evaluate", scan, "--cameras", "4", "--json", "--out", tmp_path / "areas")
     assert json.loads(out) == json.loads((tmp_path / "areas" / "evaluation.json").read_text(encoding="utf-8"))
@@ -196,7 +197,7 @@ def test_a_fault_of_camring_is_told_from_a_missed_target(camring, monkeypatch):
     def broken(*_):
         raise RuntimeError("not thought of")
 
-    monkeypatch.setattr("experiments.command_site.run", broken)
+    monkeypatch.setattr("experiments.cli.commands.site.run", broken)
     status, out, err = camring("site", "--list")
     assert (status, out) == (70, "")
     assert "Traceback" in err and "RuntimeError: not thought of" in err

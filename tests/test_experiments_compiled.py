@@ -2,10 +2,10 @@ import os
 import subprocess
 import sys
 
-from experiments.compiled import keep_compiled
+from experiments.cli.jax_cache import keep_compiled
 
 ONE_FUNCTION = """
-from experiments.compiled import keep_compiled
+from experiments.cli.jax_cache import keep_compiled
 keep_compiled()
 import jax
 jax.jit(lambda x: x * 2)(1.0)

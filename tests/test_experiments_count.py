@@ -14,7 +14,7 @@ import trimesh
 import exact
 import meshes
 import placement
-from experiments.command_count import in_words
+from experiments.cli.commands.count import in_words
 
 RING = exact.Ring()
 

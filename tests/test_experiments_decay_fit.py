@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from experiments.decay_fit import fit_decays
-from experiments.paper_areas import Area
-from experiments.paper_cases import CIRCULAR, Case
-from experiments.paper_fits import chosen_fit, determined, fit_rows, fitted, read_fits, write_fits
-from experiments.published import CAMERA_COUNTS, published_areas
+from experiments.paper.areas import Area
+from experiments.paper.cases import CIRCULAR, Case
+from experiments.paper.decay import fit_decays
+from experiments.paper.fits import chosen_fit, determined, fit_rows, fitted, read_fits, write_fits
+from experiments.paper.published import CAMERA_COUNTS, published_areas
 
 N = np.array(CAMERA_COUNTS, dtype=float)
 

@@ -13,7 +13,7 @@ import trimesh
 
 import exact
 import meshes
-from experiments.cli import main
+from experiments.cli.app import main
 
 PIXELS = 1e-6  # required of every round trip; the formats carry float64, and 1e-11 is what they reach
 SINGLE = 1e-6  # relative: positions in a GLB are float32

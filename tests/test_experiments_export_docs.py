@@ -8,7 +8,9 @@ from pathlib import Path
 import pytest
 import trimesh
 
-from experiments import cli, coverage_mesh, options
+from experiments.cli import app as cli
+from experiments.cli import options
+from experiments.exports import coverage_mesh
 from experiments.exports.formats import FORMATS
 
 PAGE = (Path(__file__).parent.parent / "docs" / "exports.md").read_text(encoding="utf-8")

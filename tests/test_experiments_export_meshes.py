@@ -12,7 +12,7 @@ from plyfile import PlyData
 import exact
 import meshes
 from exact.show import UNCOUNTED_COLOUR, UNSEEN_COLOUR, colours
-from experiments.cli import main
+from experiments.cli.app import main
 
 SINGLE = 1e-5  # relative: these files hold single precision
 

@@ -9,8 +9,8 @@ import shapely
 from matplotlib.colors import to_rgb
 
 import meshes
-from experiments import site_gallery
-from experiments.cli import main
+from experiments.cli.app import main
+from experiments.figures import site_gallery
 
 
 @pytest.fixture(scope="module")

@@ -11,7 +11,9 @@ import trimesh
 import typer
 
 import meshes
-from experiments import cli, options, rig_file
+from experiments.cli import app as cli
+from experiments.cli import options
+from experiments.request import rig as rig_file
 
 HEAVY = {"numpy", "jax", "scipy", "shapely", "trimesh", "matplotlib", "plotly", "placement", "exact", "meshes"}
 # They take minutes to hours: what they do is tested elsewhere, and here they need only be understood.
@@ -33,7 +35,7 @@ def imported(folder, *commands):
     """What a process prints that runs these commands of camring, and the packages it has imported."""
     program = f"""
 import json, sys
-from experiments.cli import main
+from experiments.cli.app import main
 for arguments in {[list(words) for words in commands]!r}:
     try:
         main(arguments)

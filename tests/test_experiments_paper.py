@@ -18,11 +18,11 @@ import pytest
 
 import exact
 import meshes
-from experiments.paper_areas import read_areas
-from experiments.published import published_areas
+from experiments.paper.areas import read_areas
+from experiments.paper.published import published_areas
 
 ROOT = Path(__file__).parent.parent
-QUICK = (sys.executable, "-m", "experiments.cli", "paper", "--quick", "--out")
+QUICK = (sys.executable, "-m", "camring", "paper", "--quick", "--out")
 # 3 cases (two sites, one of them with both fields of view), 5 numbers of cameras; a picture for each case.
 N_TASKS = 3 * 5 + 3
 PATIENCE = 120  # seconds until a test gives up waiting, on a machine that is busy with others

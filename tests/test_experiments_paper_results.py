@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 import meshes
-from experiments.paper_areas import Area, area_rows, curve, read_areas, reconstructable_areas, write_areas
-from experiments.paper_cases import CIRCULAR, FOV, Case, cases
-from experiments.paper_fits import chosen_fit, fitted, read_fits
-from experiments.paper_report import write_report
-from experiments.paper_tables import TABLES, entries, markdown, write_table
-from experiments.published import CAMERA_COUNTS, published_areas
-from experiments.sweep_task import Outcome
+from experiments.paper.areas import Area, area_rows, curve, read_areas, reconstructable_areas, write_areas
+from experiments.paper.cases import CIRCULAR, FOV, Case, cases
+from experiments.paper.fits import chosen_fit, fitted, read_fits
+from experiments.paper.published import CAMERA_COUNTS, published_areas
+from experiments.paper.report import write_report
+from experiments.paper.tables import TABLES, entries, markdown, write_table
+from experiments.sweeps.task import Outcome
 
 ROOT = Path(__file__).parent.parent
 RESULTS = ROOT / "experiments" / "results" / "paper"

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from experiments.published import CAMERA_COUNTS, FILE, published_areas
+from experiments.paper.published import CAMERA_COUNTS, FILE, published_areas
 
 
 def test_all_240_areas_are_there():

@@ -2,7 +2,7 @@ import csv
 
 import pytest
 
-from experiments.remembered import RememberedAreas
+from experiments.files.ring_maximum_cache import RememberedAreas
 
 
 def test_areas_come_back_to_the_last_bit(tmp_path):

@@ -14,9 +14,11 @@ from playwright.sync_api import sync_playwright
 
 import exact
 import meshes
-from experiments import report_scene, report_words, rig_file
-from experiments.cli import main
-from experiments.layout_file import read
+from experiments.cli.app import main
+from experiments.report import request_text as report_words
+from experiments.report import scene as report_scene
+from experiments.request import rig as rig_file
+from experiments.request.layout_file import read
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 # WebGL without a graphics card; a container's root may not have a sandbox.

@@ -11,8 +11,8 @@ import trimesh
 import exact
 import meshes
 import placement
-from experiments import rig_file
-from experiments.words import parse_angles, parse_arcs
+from experiments.request import rig as rig_file
+from experiments.request.option_text import parse_angles, parse_arcs
 
 
 @pytest.fixture

@@ -14,8 +14,8 @@ import trimesh
 import exact
 import meshes
 import placement
-from experiments import layout_file
-from experiments.cli import main
+from experiments.cli.app import main
+from experiments.request import layout_file
 
 RING = exact.Ring()
 
@@ -38,7 +38,7 @@ def both(desk):
     asked = ("a.stl", "b.stl", "--objective", "worst", "--cameras", "3", "--export", "glb,csv", "--rig", "rig.toml")
     asked = [str(desk / word) if word.endswith((".stl", ".toml")) else word for word in asked]
     done = subprocess.run(
-        [sys.executable, "-m", "experiments.cli", "optimise", *asked, "--out", str(desk / "both")],
+        [sys.executable, "-m", "camring", "optimise", *asked, "--out", str(desk / "both")],
         capture_output=True, text=True, check=True,
     )  # fmt: skip
     return desk / "both", done.stdout, done.stderr
@@ -210,7 +210,7 @@ def test_reading_a_layout_loads_no_jax(desk, both):
     """Or every export would take seconds longer to start."""
     program = f"""
 import sys
-from experiments.cli import main
+from experiments.cli.app import main
 try:
     main(["export", {str(both[0] / "layout.json")!r}, "--format", "csv", "--out", {str(desk / "lean")!r}])
 except SystemExit as end:

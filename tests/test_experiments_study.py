@@ -8,10 +8,10 @@ import matplotlib.image
 import pytest
 
 import meshes
-from experiments.study_report import CAPTIONS, page
-from experiments.study_rows import EquidistantRow, LayoutRow, read_rows, write_rows
-from experiments.study_savings import headline, savings
-from experiments.study_tasks import Plan, equidistant, placed, study_tasks
+from experiments.study.report import CAPTIONS, page
+from experiments.study.rows import EquidistantRow, LayoutRow, read_rows, write_rows
+from experiments.study.savings import headline, savings
+from experiments.study.tasks import Plan, equidistant, placed, study_tasks
 
 ROOT = Path(__file__).parent.parent
 RESULTS = ROOT / "experiments" / "results" / "study"
@@ -100,7 +100,7 @@ def test_savings_are_counted_by_hand():
     ],
 )
 def test_refusals(camring, tmp_path, arguments, message, monkeypatch):
-    monkeypatch.setattr("experiments.sweep_pool.PATIENCE", 1)
+    monkeypatch.setattr("experiments.sweeps.pool.PATIENCE", 1)
     status, printed, said = camring("study", *arguments, "--out", tmp_path / "out")
     assert status == 2 and message in said and "Traceback" not in said and not printed
 

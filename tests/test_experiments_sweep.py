@@ -9,10 +9,10 @@ from pathlib import Path
 
 import pytest
 
-from experiments.errors import InputError
-from experiments.sweep import ATTEMPTS, on_disk, pool_for, sweep
-from experiments.sweep_pool import LocalPool
-from experiments.sweep_task import Outcome, Task, perform
+from experiments.files.errors import InputError
+from experiments.sweeps.pool import LocalPool
+from experiments.sweeps.sweep import ATTEMPTS, on_disk, pool_for, sweep
+from experiments.sweeps.task import Outcome, Task, perform
 
 
 def square(number):
@@ -149,7 +149,7 @@ def test_inputs_that_json_cannot_hold_are_no_task():
 
 
 def test_without_a_scheduler_or_without_dask(monkeypatch):
-    monkeypatch.setattr("experiments.sweep_pool.PATIENCE", 0.5)
+    monkeypatch.setattr("experiments.sweeps.pool.PATIENCE", 0.5)
     with pytest.raises(InputError, match=r"no Dask scheduler answers at tcp://127\.0\.0\.1:9; start one"):
         pool_for("tcp://127.0.0.1:9")
     with pytest.raises(InputError, match=r"no Dask scheduler answers at nowhere://1"):

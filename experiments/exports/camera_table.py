@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from experiments.exports.cameras import NamedCamera
-from experiments.files import written_whole
+from experiments.files.whole import written_whole
 
 COLUMNS = (
     "camera", "image", "ring_angle_deg",

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 import exact
-from experiments.errors import InputError
+from experiments.files.errors import InputError
 
 # Pixels along the longer side of the image unless another size is asked for.
 LONGER_SIDE = 3600

@@ -9,7 +9,7 @@ from pathlib import Path
 from scipy.spatial.transform import Rotation
 
 from experiments.exports.cameras import PIXEL_RULE, NamedCamera
-from experiments.files import written_whole
+from experiments.files.whole import written_whole
 
 FILES = ("cameras.txt", "images.txt", "points3D.txt")
 

@@ -9,11 +9,11 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import cast
 
-from experiments.errors import InputError
 from experiments.exports import camera_table, colmap, gltf, opencv, transforms
 from experiments.exports.cameras import NamedCamera
-from experiments.files import output_folder
-from experiments.inputs import Subject
+from experiments.files.errors import InputError
+from experiments.files.whole import output_folder
+from experiments.request.meshes import Subject
 
 
 @dataclass(frozen=True)

@@ -16,8 +16,8 @@ from trimesh.path import Path3D
 from trimesh.path.entities import Line
 
 from experiments.exports.cameras import NamedCamera
-from experiments.files import written_whole
-from experiments.inputs import Subject
+from experiments.files.whole import written_whole
+from experiments.request.meshes import Subject
 
 # World axes [mm] to those of glTF [m].
 TO_GLTF = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]]) / 1000

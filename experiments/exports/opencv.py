@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from experiments.exports.cameras import NamedCamera
-from experiments.files import written_whole
+from experiments.files.whole import written_whole
 
 CONVENTIONS = {
     "pose": "x_camera = R x_world + t",

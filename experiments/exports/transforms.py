@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from experiments.exports.cameras import PIXEL_RULE, NamedCamera
-from experiments.files import written_whole
+from experiments.files.whole import written_whole
 
 
 def write(path: Path, cameras: Sequence[NamedCamera]) -> None:

@@ -46,8 +46,8 @@ def mesh_reader(folder: Path) -> Callable[[bytes], None]:
 def layout_reader(folder: Path) -> Callable[[bytes], None]:
     """The whole file."""
     import exact
-    from experiments import layout_file
-    from experiments.errors import InputError
+    from experiments.files.errors import InputError
+    from experiments.request import layout_file
 
     path = folder / "layout.json"
 
@@ -68,8 +68,8 @@ def rig_reader(folder: Path) -> Callable[[bytes], None]:
     """The whole file."""
     import exact
     import placement
-    from experiments import rig_file
-    from experiments.errors import InputError
+    from experiments.files.errors import InputError
+    from experiments.request import rig as rig_file
 
     path = folder / "rig.toml"
 
@@ -90,7 +90,7 @@ def seeds(target: str) -> list[bytes]:
     if target == "layout":
         wanted, good = ".json", [json.dumps(LAYOUT).encode()]
     elif target == "rig":
-        from experiments.command_rig import commented
+        from experiments.request.rig_template import commented
 
         wanted, good = ".toml", [section.encode() for section in commented().split("\n\n")]
     else:
@@ -119,7 +119,7 @@ def main(arguments: list[str]) -> None:
     parsers = {"mesh": ["meshes", "trimesh"], "layout": ["experiments", "json"], "rig": ["experiments", "tomllib"]}
     with atheris.instrument_imports(include=parsers[target]):
         import meshes  # noqa: F401
-        from experiments import layout_file, rig_file  # noqa: F401
+        from experiments.request import layout_file, rig  # noqa: F401
     with tempfile.TemporaryDirectory(dir="/dev/shm" if os.path.isdir("/dev/shm") else None) as name:
         corpus = Path(name) / "corpus"
         corpus.mkdir()

@@ -1,0 +1,1 @@
+"""The command `camring`: what it understands, and how it ends."""

@@ -1,0 +1,208 @@
+"""camring evaluate: the exact area that a given set of ring cameras reconstructs."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import exact
+from experiments.files.errors import InputError
+from experiments.files.whole import image_names, output_folder
+from experiments.request import layout_file
+from experiments.request import rig as rig_file
+from experiments.request.meshes import Request, Subject, request
+from experiments.request.option_text import parse_angles
+from experiments.request.target_fraction import checked_target, reach
+from experiments.terminal.console import note, print_json, table, terminal
+from experiments.terminal.progress import progress_bar
+from meshes import fingerprint
+
+OUTPUTS = ("reconstructable.stl", "reconstructable.ply", "coverage.ply", "coverage.glb", "evaluation.json")
+# Cameras nearer to each other than this [mm] are in one place: less than any mount moves.
+SAME_PLACE = 1e-3
+RING_OPTIONS = ("fov", "diameter", "working_distance", "focus")
+
+
+@dataclass(frozen=True, eq=False)
+class _Cameras:
+    """Cameras on a ring, and when a point that they see counts."""
+
+    ring: exact.Ring
+    angles: np.ndarray
+    threshold: int
+    min_baseline: float
+
+
+def run(
+    mesh: str,
+    rig_path: Path | None,
+    options: dict[str, Any],
+    *,
+    angles_deg: str | None,
+    layout: Path | None,
+    depth: float | None,
+    detail: str | None,
+    target: float | None,
+    out: Path | None,
+    images: Path | None,
+    force: bool,
+    as_json: bool,
+) -> None:
+    """Evaluate, print and write; `options` are those of the rig, by the names of their keys."""
+    checked_target(target)
+    ways = [way is not None for way in (options["count"], angles_deg, layout)]
+    if sum(ways) > 1 or (not any(ways) and rig_path is None):
+        raise InputError(
+            "give the cameras in exactly one way: --cameras N, --angles-deg 0,90,180, --layout FILE, or --rig FILE "
+            "with their number"
+        )
+    if layout is not None and (rig_path is not None or any(options[name] is not None for name in RING_OPTIONS)):
+        raise InputError(
+            "a layout brings its own ring; leave --rig, --fov, --diameter, --working-distance and --focus out"
+        )
+    asked = request(mesh, depth, detail, rig_file.rig(rig_path, **options))
+    if layout is not None:
+        cameras = _from_layout(layout, asked, options, force)
+    else:
+        listed = angles_deg is not None
+        angles = np.radians(parse_angles(angles_deg)) if listed else asked.ring.equidistant(asked.rig.n_cameras)
+        cameras = _Cameras(asked.ring, angles, asked.rig.threshold, asked.rig.constraints.baseline(asked.ring))
+    _warn_of_one_place(cameras)
+    if out is not None:
+        output_folder(out, OUTPUTS, force)
+    if images is not None:
+        output_folder(images, image_names(len(cameras.angles)), force)
+    result, content = _evaluate(asked, cameras, with_maximum=target is not None)
+    if as_json:
+        print_json(content)
+    else:
+        _print(asked, cameras.angles, result, content)
+    if out is not None:
+        _write(out, asked, result, content)
+    if images is not None:
+        _write_images(images, asked, cameras)
+    if target is not None:
+        reach(target, content["fraction_of_ring_maximum"], f"these {len(cameras.angles)} cameras")
+
+
+def _from_layout(path: Path, asked: Request, options: dict[str, Any], force: bool) -> _Cameras:
+    """What the file says, where no option says something else."""
+    made = layout_file.read(path)
+    made.refuse_other_mesh(asked.about.mesh, asked.about.name, force)
+    threshold = made.threshold if options["threshold"] is None else options["threshold"]
+    asked_for = options["min_baseline"] is not None
+    baseline = asked.rig.constraints.baseline(made.ring) if asked_for else made.min_baseline
+    return _Cameras(made.ring, made.angles, threshold, baseline)
+
+
+def _warn_of_one_place(given: _Cameras) -> None:
+    """Two cameras in one place are two views to the count, and none to triangulation."""
+    if given.threshold < 2 or given.min_baseline > 0:
+        return
+    apart = given.ring.separations(given.angles) + np.where(np.tri(len(given.angles), dtype=bool), np.inf, 0.0)
+    first, second = np.unravel_index(np.argmin(apart), apart.shape)
+    if apart[first, second] < SAME_PLACE:
+        note(
+            f"warning: cameras {first + 1} and {second + 1} sit in the same place, which counts as two views and "
+            "triangulates nothing; --min-baseline 1 counts only what cameras 1 mm apart see"
+        )
+
+
+def _evaluate(asked: Request, given: _Cameras, with_maximum: bool) -> tuple[exact.Reconstruction, dict[str, Any]]:
+    """The reconstruction, and all figures as they stand in evaluation.json."""
+    mesh, excluded = asked.about.mesh, asked.excluded.mask
+    cameras = given.ring.cameras(given.angles)
+    n_ring = asked.rig.settings.ring_cameras if with_maximum else 0
+    with progress_bar("evaluating", 2 * len(cameras) + n_ring) as advance:
+        result = exact.evaluate(mesh, cameras, given.threshold, excluded, given.min_baseline, report=advance)
+        single = []
+        for camera in cameras:
+            single.append(exact.evaluate(mesh, [camera], 1, excluded).area)
+            advance(1)
+        refuse_unseen(asked.about, result)
+        maximum = None
+        if with_maximum:
+            around = given.ring.cameras(given.ring.equidistant(n_ring))
+            # The ring maximum does not depend on the baseline, so that fractions compare.
+            maximum = exact.evaluate(mesh, around, given.threshold, excluded, report=advance).area
+    content = {
+        "mesh": {
+            "name": asked.about.name,
+            "sha256": fingerprint(mesh),
+            "excluded": asked.excluded.words,
+            "scale": asked.rig.scale,
+        },
+        "ring": layout_file.ring_content(given.ring),
+        "angles_rad": given.angles.tolist(),
+        "angles_deg": np.degrees(given.angles).tolist(),
+        "threshold": given.threshold,
+        "min_baseline_mm": given.min_baseline,
+        "area_mm2": result.area,
+        "level_areas_mm2": result.level_areas.tolist(),
+        "camera_areas_mm2": single,
+        "repairs": result.repairs,
+    }
+    if maximum is not None:
+        content |= {"ring_maximum_mm2": maximum, "fraction_of_ring_maximum": result.area / maximum if maximum else 0.0}
+    return result, content
+
+
+def _write(out: Path, asked: Request, result: exact.Reconstruction, content: dict[str, Any]) -> None:
+    from experiments.exports import (
+        coverage_mesh,  # it brings matplotlib for its colours, which figures alone do not need
+    )
+
+    layout_file.write(out / "evaluation.json", content)
+    names = coverage_mesh.write(out, asked.about.mesh, asked.excluded.mask, result)
+    missing = "" if "reconstructable.stl" in names else "; nothing is reconstructable, so there is no mesh of it"
+    note(f"wrote {', '.join(str(out / name) for name in (*names, 'evaluation.json'))}{missing}")
+
+
+def _write_images(folder: Path, asked: Request, given: _Cameras) -> None:
+    from experiments.figures.camera_images import write_camera_images  # matplotlib is heavy, and the rest needs none
+
+    with progress_bar("drawing", len(given.angles)) as advance:
+        names = write_camera_images(folder, asked.about.name, asked.about.mesh, given.ring, given.angles, advance)
+    note(f"wrote {folder / names[0]}{f' to {names[-1]}' if len(names) > 1 else ''}")
+
+
+def refuse_unseen(about: Subject, result: exact.Reconstruction) -> None:
+    """Raise InputError if no camera sees anything that counts."""
+    if result.level_areas[0] == 0.0:
+        spans = ", ".join(
+            f"{axis} {low:g} to {high:g}" for axis, low, high in zip("xyz", *about.mesh.bounds.tolist(), strict=True)
+        )
+        raise InputError(
+            f"no camera sees any part of {about.name} that counts; check that it lies at the focus (it spans "
+            f"{spans} mm, and --focus says where the cameras look), inside the field of view, with its normals towards "
+            "the cameras, and that its unit is millimetres (--scale)"
+        )
+
+
+def _print(asked: Request, angles: np.ndarray, result: exact.Reconstruction, content: dict[str, Any]) -> None:
+    console = terminal()
+    console.print(f"{asked.about.name}: {len(asked.about.mesh.faces)} faces; not counted: {asked.excluded.words}")
+    shown = table("seen by", "exact area [mm²]")
+    for level, area in enumerate(result.level_areas, start=1):
+        who = "at least 1 camera" if level == 1 else f"at least {level} cameras"
+        shown.add_row(who, f"{area:.4f}")
+    if result.min_baseline > 0:
+        shown.add_row(
+            f"… two of them {result.min_baseline:g} mm apart",
+            f"{result.area:.4f}",
+        )
+    console.print(shown)
+    shown = table("camera", "ring angle [degrees]", "exact area [mm²]")
+    for number, (angle, area) in enumerate(zip(angles, content["camera_areas_mm2"], strict=True), start=1):
+        shown.add_row(str(number), f"{np.degrees(angle):.3f}", f"{area:.4f}")
+    if len(angles) <= 32:
+        console.print(shown)
+    if "ring_maximum_mm2" in content:
+        console.print(
+            f"ring maximum ({asked.rig.settings.ring_cameras} cameras): {content['ring_maximum_mm2']:.4f} mm², of "
+            f"which {100 * content['fraction_of_ring_maximum']:.2f} % are reconstructable"
+        )
+    console.print(f"reconstructable area: {result.area:.4f} mm²")
+    if result.repairs:
+        console.print(f"{result.repairs} steps had to be done in the robust way")

@@ -1,0 +1,75 @@
+"""camring export: a layout in the formats of other programs."""
+
+from pathlib import Path
+
+import meshes
+from experiments.exports import formats
+from experiments.exports.cameras import named_cameras, parse_resolution
+from experiments.files.errors import InputError
+from experiments.request import layout_file
+from experiments.request.meshes import Subject, subject
+from experiments.terminal.console import note, print_json
+
+
+def run(
+    layout: Path,
+    format: str,
+    mesh: str | None,
+    depth: float | None,
+    detail: str | None,
+    repair: bool,
+    resolution: str | None,
+    out: Path,
+    force: bool,
+    as_json: bool = False,
+) -> None:
+    """Read, check, write."""
+    if "mesh" in {word.strip().lower() for word in format.split(",")}:
+        raise InputError(
+            "--format: mesh is no format of cameras; the reconstructable and the coloured meshes are written by "
+            f"camring evaluate MESH --layout {layout} --out FOLDER, and by camring optimise --export mesh"
+        )
+    names = formats.parse_formats(format, "--format")
+    size = None if resolution is None else parse_resolution(resolution)
+    made = layout_file.read(layout)
+    shows_site = [name for name in names if formats.FORMATS[name].needs_site]
+    if mesh is None and shows_site:
+        origin = made.content.get("mesh")
+        hint = f", {origin['name']!r}," if isinstance(origin, dict) and "name" in origin else ""
+        raise InputError(
+            f"{shows_site[0]} shows the site with the cameras; give the mesh{hint} that the layout was made for, "
+            "as in --mesh scan.stl"
+        )
+    if mesh is not None and not shows_site:
+        wanted = " or ".join(name for name, chosen in formats.FORMATS.items() if chosen.needs_site)
+        raise InputError(f"--mesh is for {wanted} only; add it to --format, or leave --mesh out")
+    if mesh is None and (depth is not None or detail is not None or repair):
+        raise InputError("--depth, --detail and --repair say which mesh; give --mesh too, or leave them out")
+    site = None if mesh is None else _site(made, mesh, depth, detail, repair, force)
+    files = formats.prepare(out, names, force)
+    cameras = named_cameras(made.ring, made.angles, size)
+    formats.write(out, names, cameras, site)
+    width, height = cameras[0].size
+    if as_json:
+        names = [camera.name for camera in cameras]
+        print_json({"cameras": names, "resolution_px": [width, height], "files": [str(out / file) for file in files]})
+    else:
+        print(f"{len(cameras)} camera{'s' if len(cameras) > 1 else ''}, {width} x {height} pixels each")
+    note(f"wrote {', '.join(str(out / file) for file in files)}")
+
+
+def _site(
+    made: layout_file.LayoutFile, mesh: str, depth: float | None, detail: str | None, repair: bool, force: bool
+) -> Subject:
+    site = subject(mesh, depth, detail, repair, 1.0 if mesh in meshes.SITES else _scale(made))
+    made.refuse_other_mesh(site.mesh, site.name, force)
+    return site
+
+
+def _scale(made: layout_file.LayoutFile) -> float:
+    """Factor to millimetres from the unit of the mesh file that the layout was made for."""
+    origin = made.content.get("mesh")
+    scale = origin.get("scale", 1.0) if isinstance(origin, dict) else 1.0
+    if isinstance(scale, bool) or not isinstance(scale, int | float) or not scale > 0:
+        raise InputError(f'{made.path}: the "scale" of its "mesh" is {scale!r}; it must be a positive number')
+    return float(scale)

@@ -1,0 +1,102 @@
+"""Results as meshes: the reconstructable part, and the whole surface coloured by the number of views.
+
+The colours are those of `coverage_figure`. PLY has one per face and the number of views beside it; in glTF each number
+of views is an object of its own, which can be shown and hidden.
+"""
+
+from pathlib import Path
+
+import numpy as np
+import trimesh
+
+import exact
+from exact.show import colours
+from experiments.exports import gltf
+from experiments.files.whole import written_whole
+
+RECONSTRUCTABLE = ("reconstructable.stl", "reconstructable.ply")
+FILES = (*RECONSTRUCTABLE, "coverage.ply", "coverage.glb")
+
+
+def coverage_parts(
+    mesh: trimesh.Trimesh, exclude: np.ndarray, result: exact.Reconstruction
+) -> dict[int, trimesh.Trimesh]:
+    """The surface by number of views: `exact.NOT_COUNTED`, 0, 1, .. up to the threshold, which stands for that or more.
+
+    Parameters
+    ----------
+    mesh : trimesh.Trimesh
+        The mesh that `result` is about.
+    exclude : (F,) bool
+        Faces that do not count.
+
+    Returns
+    -------
+    dict of int to trimesh.Trimesh
+        Meshes without a common point but their borders, some perhaps without faces; together they are `mesh`.
+
+    Examples
+    --------
+    >>> ring, plate = exact.Ring(), trimesh.creation.box((10, 10, 2))
+    >>> nothing = np.zeros(12, dtype=bool)
+    >>> parts = coverage_parts(plate, nothing, exact.evaluate(plate, ring.cameras(ring.equidistant(2))))
+    >>> {n_views: round(float(part.area), 6) for n_views, part in parts.items()}  # each sees a side, both the top
+    {-1: 0.0, 0: 140.0, 1: 40.0, 2: 100.0}
+    """
+    left_out = trimesh.Trimesh(mesh.vertices, mesh.faces[exclude], process=False)
+    left_out.remove_unreferenced_vertices()
+    counted = {n_views: result.to_mesh(n_views) for n_views in range(result.threshold + 1)}
+    return {exact.NOT_COUNTED: left_out, **counted}
+
+
+def write(folder: Path, mesh: trimesh.Trimesh, exclude: np.ndarray, result: exact.Reconstruction) -> tuple[str, ...]:
+    """Write `FILES` into `folder`; if nothing is reconstructable, without the two that would be empty.
+
+    Parameters
+    ----------
+    folder : pathlib.Path
+        Prepared by `output_folder`: what is there may be replaced.
+    mesh, exclude, result : trimesh.Trimesh, (F,) bool, exact.Reconstruction
+        As for `coverage_parts`.
+
+    Returns
+    -------
+    tuple of str
+        Names of the files written.
+    """
+    part = result.to_mesh()
+    names = FILES if len(part.faces) else FILES[len(RECONSTRUCTABLE) :]
+    for name in RECONSTRUCTABLE:
+        if name not in names:
+            (folder / name).unlink(missing_ok=True)  # of an earlier result, it would pass for this one's
+            continue
+        with written_whole(folder / name) as temporary:
+            part.export(temporary)
+    parts = coverage_parts(mesh, exclude, result)
+    palette = colours(result.threshold, result.threshold)
+    with written_whole(folder / "coverage.ply") as temporary:
+        _coloured(parts, palette).export(temporary)
+    objects = [gltf.Part(_title(n, result.threshold), parts[n], palette[n].tolist()) for n in parts]
+    gltf.write(folder / "coverage.glb", objects)
+    return names
+
+
+def _coloured(parts: dict[int, trimesh.Trimesh], palette: dict[int, np.ndarray]) -> trimesh.Trimesh:
+    """All parts as one mesh with a colour per face and its number of views as `face_attributes["n_views"]`."""
+    first = np.cumsum([0] + [len(part.vertices) for part in parts.values()])
+    n_views = np.repeat(list(parts), [len(part.faces) for part in parts.values()])
+    mesh = trimesh.Trimesh(
+        np.concatenate([part.vertices for part in parts.values()]),
+        np.concatenate([part.faces + start for part, start in zip(parts.values(), first[:-1], strict=True)]),
+        face_colors=np.round(255 * np.stack([palette[n] for n in n_views.tolist()])).astype(np.uint8),
+        process=False,
+    )
+    mesh.face_attributes["n_views"] = n_views.astype(np.int32)
+    return mesh
+
+
+def _title(n_views: int, threshold: int) -> str:
+    if n_views == exact.NOT_COUNTED:
+        return "not counted"
+    cameras = f"{n_views or 'no'} camera{'' if n_views < 2 else 's'}"
+    return f"seen by {cameras}{' or more' if n_views == threshold else ''}"

@@ -1,0 +1,1 @@
+"""Wachter 2021 repeated: its areas, fits, tables and figures."""

@@ -1,0 +1,1 @@
+"""One page about a layout, with the surface in 3-D."""

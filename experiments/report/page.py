@@ -1,0 +1,234 @@
+"""report.html: a layout, what it was asked for and what is known of it, in one page that needs no network."""
+
+import csv
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from plotly.offline import get_plotlyjs
+
+import placement
+from experiments.files.errors import InputError
+from experiments.files.whole import written_whole
+from experiments.report import request_text as report_words
+from experiments.report.drawings import count_drawing, histogram_drawing, ring_drawing
+from experiments.report.scene import Scene, packed, scene
+from experiments.request.layout_file import LayoutFile
+from experiments.tables.layouts import SHARES
+from experiments.tables.robustness import PAIRS_SHOWN_UNTIL, consensus_words
+from experiments.terminal.console import note
+
+NAME = "report.html"
+# What must stand in a layout file to report on it.
+NEEDED = (
+    "angles_rad", "areas_mm2", "best_equidistant_phase_deg", "certificate", "constraints", "falloff_mm",
+    "fractions_of_ring_maximum", "mesh", "meshes", "n_cameras", "objective", "poses", "seed", "settings", "versions",
+)  # fmt: skip
+# A table of numbers of cameras belongs to the layout if their equidistant fractions, both exact, differ by less.
+SAME_FRACTION = 1e-9
+ANGLE_SAMPLES = 20_000
+
+
+def check(made: LayoutFile) -> None:
+    """Refuse a layout file that says too little.
+
+    Raises
+    ------
+    InputError
+    """
+    missing = [name for name in NEEDED if name not in made.content]
+    if missing:
+        raise InputError(
+            f"{made.path} says nothing of {', '.join(missing)}, which a report tells; camring optimise and camring "
+            "count write layouts that do"
+        )
+
+
+def write(path: Path, made: LayoutFile, mesh, exclude: np.ndarray) -> None:
+    """Write the report of a layout.
+
+    Parameters
+    ----------
+    path : pathlib.Path
+        The page; count.csv beside it, if it is of the same request, is shown too.
+    made : LayoutFile
+    mesh : trimesh.Trimesh
+        The first of the meshes that the layout was made for: the one that is shown.
+    exclude : (F,) ndarray of bool
+        Its faces that do not count.
+
+    Raises
+    ------
+    InputError
+    """
+    check(made)
+    with written_whole(path) as temporary:
+        temporary.write_text(page(made, mesh, exclude, path.parent / "count.csv"), encoding="utf-8")
+
+
+def page(made: LayoutFile, mesh, exclude: np.ndarray, count_table: Path) -> str:
+    """The report as HTML; whatever comes from files is shown as text."""
+    content = made.content
+    single = len(content["meshes"]) == 1 and content["poses"] is None
+    ring_area = content["meshes"][0]["areas_of_poses_mm2"][0]["ring_maximum"] if content["falloff_mm"] is None else None
+    drawn = scene(mesh, made.ring, made.angles, made.threshold, exclude, made.min_baseline, ring_area)
+    layouts, angles = _layouts(made, mesh, exclude)
+    limits = content["constraints"]
+    # Everything that is put into the page is escaped; what is packed is base64, which has nothing to escape.
+    environment = Environment(
+        loader=PackageLoader("experiments.report"), autoescape=True, undefined=StrictUndefined, trim_blocks=True,
+        lstrip_blocks=True,
+    )  # fmt: skip
+    return environment.get_template("report.html").render(
+        name=", ".join(about["name"] for about in content["meshes"]),
+        shown=content["meshes"][0]["name"],
+        is_single=single,
+        n_cameras=content["n_cameras"],
+        fraction=content["fractions_of_ring_maximum"]["optimised"],
+        gain=content["fractions_of_ring_maximum"]["optimised"] - content["fractions_of_ring_maximum"]["equidistant"],
+        asked=report_words.asked(made),
+        layouts=layouts,
+        ring=ring_drawing(made.ring, made.angles, limits["fixed"], limits["forbidden"]),
+        cameras=_cameras(made, drawn),
+        scene={
+            "n_vertices": len(drawn.vertices),
+            "n_triangles": len(drawn.triangles),
+            "origin": drawn.origin.tolist(),
+            "step": drawn.step,
+            "frame": None if drawn.frame is None else drawn.frame.tolist(),
+            "colourings": [
+                {
+                    "name": one.name,
+                    "caption": one.caption,
+                    "shades": [
+                        {"words": s.label + ("" if s.area is None else f": {s.area:.2f} mm²"), "colour": s.colour}
+                        for s in one.shades
+                    ],
+                }
+                for one in drawn.colourings
+            ],
+        },
+        surface=drawn.packed(),
+        plotly=packed(get_plotlyjs().encode("utf-8")),
+        histogram=histogram_drawing(angles),
+        robustness=_robustness(content),
+        certificate=content["certificate"],
+        count=_count(made, count_table),
+        command=report_words.command(made),
+        rig=report_words.rig(made),
+        hashes=[(about["name"], about["sha256"]) for about in content["meshes"]],
+        n_ring=content["settings"]["ring_cameras"],
+        ring_area=content["areas_mm2"]["ring_maximum"],
+        versions=content["versions"],
+        seed=content["seed"],
+    )
+
+
+def _layouts(made: LayoutFile, mesh, exclude: np.ndarray) -> tuple[list[dict[str, Any]], list]:
+    """Rows of the table of layouts; for the histogram, names, best angles [degrees] and weights of two of them."""
+    content, n = made.content, len(made.angles)
+    phase = np.radians(content["best_equidistant_phase_deg"])
+    kinds = (
+        ("equidistant", "equidistant", made.ring.equidistant(n)),
+        ("best_equidistant", f"equidistant, best phase ({np.degrees(phase):.1f}°)", made.ring.equidistant(n, phase)),
+        ("optimised", "optimised", made.angles),
+    )
+    rows, spreads = [], []
+    fractions, limits = content["fractions_of_ring_maximum"], placement.Constraints(**content["constraints"])
+    for kind, name, angles in kinds:
+        spread = placement.triangulation(
+            mesh, made.ring, angles, made.threshold, exclude, ANGLE_SAMPLES, min_baseline=made.min_baseline
+        )
+        rows.append(
+            {
+                "name": name,
+                "area": content["areas_mm2"][kind],
+                "fraction": fractions[kind],
+                "gain": None if kind == "equidistant" else fractions[kind] - fractions["equidistant"],
+                "breaks": next(iter(limits.violations(made.ring, angles)), None),
+                "separation": spread.smallest_separation if n > 1 else None,
+                "widest": float(np.degrees(spread.widest_angle)),
+                "mean": float(np.degrees(spread.mean_best_angle)),
+                "quantiles": tuple(np.degrees(spread.best_angle_quantiles(SHARES)).tolist()),
+            }
+        )
+        if kind != "best_equidistant":
+            spreads.append((name, np.degrees(spread.best_angles), spread.weights))
+    return rows, spreads
+
+
+def _cameras(made: LayoutFile, drawn: Scene) -> list[dict[str, Any]]:
+    """Rows of the table of cameras."""
+    found = made.content.get("robustness")
+    left = found["layouts"][-1]["fractions_without_camera"] if found else [None] * len(made.angles)
+    agreed = found["distances_in_best_layouts_deg"] if found else left
+    positions = made.ring.positions(made.angles)
+    return [
+        {
+            "number": number,
+            "degrees": float(np.degrees(made.angles[number - 1])),
+            "position": tuple(positions[number - 1].tolist()),
+            "area": float(drawn.camera_areas[number - 1]),
+            "without": left[number - 1],
+            "away": agreed[number - 1],
+        }
+        for number in range(1, len(made.angles) + 1)
+    ]
+
+
+def _robustness(content: dict[str, Any]) -> dict[str, Any] | None:
+    found = content.get("robustness")
+    if found is None:
+        return None
+    enough = [pair["share_with_pairs_before"] >= PAIRS_SHOWN_UNTIL for pair in found["pairs"]]
+    shown = found["pairs"][: enough.index(True) + 1 if True in enough else None]
+    agreed = placement.Consensus(
+        tuple(found["best_layouts_fractions"]), tuple(np.radians(found["distances_in_best_layouts_deg"]).tolist())
+    )
+    return {
+        "mounting_error": found["mounting_error_deg"],
+        "n_mountings": len(found["layouts"][0]["fractions_mounted_off"]),
+        "layouts": [
+            {
+                "name": layout["layout"],
+                "worst_failure": min(layout["fractions_without_camera"]),
+                "mean_failure": float(np.mean(layout["fractions_without_camera"])),
+                "worst_mounting": min(layout["fractions_mounted_off"]),
+            }
+            for layout in found["layouts"]
+        ],
+        "consensus": consensus_words(agreed, np.radians(found["layouts"][-1]["ring_angles_deg"]).tolist()),
+        "pairs": shown,
+        "n_more_pairs": len(found["pairs"]) - len(shown),
+    }
+
+
+def _count(made: LayoutFile, path: Path) -> dict[str, Any] | None:
+    """What count.csv says, if it is there and of the same request."""
+    if not path.exists():
+        return None
+    names = ("n_cameras", "equidistant_fraction", "best_equidistant_fraction", "optimised_fraction", "bound_fraction")
+    try:
+        with path.open(newline="", encoding="utf-8") as file:
+            table = list(csv.DictReader(file))
+        rows = [{name: float(row[name]) if row[name] else None for name in names} for row in table]
+    except (OSError, ValueError, KeyError) as error:
+        raise InputError(
+            f"{path} is no table of camring count ({error!r}); repeat camring count, or remove it"
+        ) from error
+    own = made.content["fractions_of_ring_maximum"]["equidistant"]
+    same = [
+        row["equidistant_fraction"] is not None and abs(row["equidistant_fraction"] - own) < SAME_FRACTION
+        for row in rows
+        if row["n_cameras"] == made.content["n_cameras"]
+    ]
+    if not any(same):
+        note(f"note: {path} is of another request, and is left out of the report")
+        return None
+    words = {"True": "yes", "False": "time ran out"}
+    proven = [words.get(row.get("proven", ""), "") for row in table]
+    return {
+        "rows": [row | {"proven": word} for row, word in zip(rows, proven, strict=True)],
+        "chart": count_drawing(rows),
+    }

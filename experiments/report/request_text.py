@@ -1,0 +1,142 @@
+"""What a report says of the request: what was asked, and how to get the same layout again."""
+
+import shlex
+from dataclasses import fields
+from typing import Any
+
+import numpy as np
+
+import placement
+from experiments.request.layout_file import LayoutFile
+from experiments.request.rig import SECTIONS
+from experiments.request.rig_template import toml_value
+from meshes import EXPECTED
+
+# Angles in degrees are written with so many digits after the point: less than a micrometre on any ring.
+DIGITS = 9
+
+
+def asked(made: LayoutFile) -> list[tuple[str, str]]:
+    """What was asked, as rows of a table: what, and the answer in words.
+
+    Parameters
+    ----------
+    made : LayoutFile
+        With all that `camring optimise` or `camring count` writes.
+    """
+    content, ring, limits = made.content, made.ring, made.content["constraints"]
+    width, height = ring.fov
+    several = len(content["meshes"]) > 1
+    names = [
+        f"{mesh['name']}{f', weight {weight:g}' if several else ''}; not counted: {mesh['excluded']}"
+        for mesh in content["meshes"]
+        for weight in [mesh["weight"]]
+    ]
+    rows = [
+        ("meshes" if several else "mesh", "; ".join(names)),
+        ("cameras", str(content["n_cameras"])),
+        (
+            "a point counts when",
+            f"at least {made.threshold} camera{'s see' if made.threshold > 1 else ' sees'} it"
+            + (f", two of them at least {made.min_baseline:.4g} mm apart" if made.min_baseline > 0 else ""),
+        ),
+        ("ring", f"{ring.diameter:g} mm wide, {ring.working_distance:g} mm from the focus at {_vector(ring.focus)} mm"),
+        ("field of view", f"{width:g} x {height:g} mm at the focus"),
+        ("smallest separation", f"{limits['min_separation']:g} mm"),
+    ]
+    if tuple(ring.axis) != (0.0, 0.0, 1.0):
+        rows.append(("ring's axis", _vector(ring.axis)))
+    if limits["fixed"]:
+        rows.append(("fixed cameras", ", ".join(f"{angle:g}°" for angle in _degrees(limits["fixed"]))))
+    if limits["forbidden"]:
+        arcs = (_degrees(arc) for arc in limits["forbidden"])
+        rows.append(("forbidden arcs", ", ".join(f"{start:g}° to {end:g}°" for start, end in arcs)))
+    if several or content["poses"]:
+        worst = content["objective"] == "worst"
+        rows.append(("maximised", "the fraction of the worst" if worst else "the mean fraction of all"))
+    if content["poses"]:
+        poses = content["poses"]
+        rows.append(
+            ("poses of each mesh", f"{poses['n']}: as it is, and up to {poses['tilt_deg']:g}° tilted, "
+             f"{poses['shift_mm']:g} mm shifted")
+        )  # fmt: skip
+    if content["falloff_mm"] is not None:
+        rows.append(("weight of a face", f"half at {content['falloff_mm']:g} mm from the focus, 1/16 at twice as far"))
+    return rows
+
+
+def command(made: LayoutFile) -> str:
+    """The command line that asks for the same again, with `rig` as rig.toml."""
+    words = []
+    for mesh in made.content["meshes"]:
+        known = _built_in(mesh["sha256"])
+        words.append(mesh["name"] if known is None else f"{known[0]}@{known[1]:g}")
+    details = [found[2] for mesh in made.content["meshes"] if (found := _built_in(mesh["sha256"]))]
+    detail = ["--detail", details[0]] if details else []
+    return shlex.join(["camring", "optimise", *words, *detail, "--rig", "rig.toml", "--report"])
+
+
+def rig(made: LayoutFile) -> str:
+    """The rig file that asks for the same again: every key that is not at its default, and the ring in full."""
+    content, ring, limits = made.content, made.ring, made.content["constraints"]
+    first, poses = content["meshes"][0], content["poses"] or {"n": 1}
+    weights = [mesh["weight"] for mesh in content["meshes"]]
+    values: dict[str, Any] = {
+        "diameter": ring.diameter,
+        "working_distance": ring.working_distance,
+        "fov": ring.fov,
+        "focus": ring.focus,
+        "axis": ring.axis,
+        "count": content["n_cameras"],
+        "threshold": made.threshold,
+        "min_separation": limits["min_separation"],
+        "min_baseline": limits["min_baseline"],
+        "min_angle_deg": _degrees([limits["min_angle"]])[0],
+        "fixed_deg": tuple(_degrees(limits["fixed"])),
+        "forbidden_deg": tuple(tuple(_degrees(arc)) for arc in limits["forbidden"]),
+        "seed": content["seed"],
+        "certify": content["certificate"] is not None,
+        "exclude": _exclusion(first["excluded"]),
+        "scale": max(mesh["scale"] for mesh in content["meshes"]),
+        "objective": content["objective"],
+        "site_weights": weights if len(set(weights)) > 1 else None,
+        "falloff_mm": content["falloff_mm"],
+        "jitter": poses["n"],
+        **{name: poses[name] for name in ("tilt_deg", "shift_mm") if name in poses},
+        **{field.name: content["settings"].get(field.name) for field in fields(placement.Settings)},
+    }
+    lines = []
+    for section, keys in SECTIONS.items():
+        written = [
+            f"{name} = {toml_value(values[name])}"
+            for name, key in keys.items()
+            if values.get(name) is not None
+            and (section in ("ring", "cameras") or _plain(values[name]) != _plain(key.default))
+        ]
+        lines += ["", f"[{section}]", *written] if written else []
+    return "\n".join(lines[1:])
+
+
+def _exclusion(words: str) -> str:
+    """The value of the key `exclude` for what the layout file says of it."""
+    if words == "nothing":
+        return "none"
+    return "top" if words.startswith("the top surface") else words.partition(" listed in ")[2].rpartition(", ")[0]
+
+
+def _built_in(sha256: str) -> tuple[str, float, str] | None:
+    """Name, depth and detail of the built-in site with this fingerprint."""
+    return next((key for key, known in EXPECTED.items() if known.fingerprint == sha256), None)
+
+
+def _plain(value: Any) -> Any:
+    """Tuples as lists, as JSON has them."""
+    return [_plain(one) for one in value] if isinstance(value, list | tuple) else value
+
+
+def _degrees(angles) -> list[float]:
+    return [round(float(angle), DIGITS) for angle in np.degrees(angles)]
+
+
+def _vector(value) -> str:
+    return f"({', '.join(f'{part:g}' for part in value)})"

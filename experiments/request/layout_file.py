@@ -1,0 +1,261 @@
+"""The file `layout.json`: a ring and where its cameras sit, with the exact areas and all that repeats them."""
+
+import difflib
+import json
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import trimesh
+
+import exact
+from experiments.files.errors import InputError
+from experiments.files.whole import written_whole
+from meshes import fingerprint
+
+if TYPE_CHECKING:  # at run time it would bring jax along, which reading a layout hardly ever needs
+    import placement
+    from experiments.request.request import Request
+
+FORMAT = "camring layout"
+VERSION = 1
+# Fields of `placement.Constraints`, here once more for the same reason.
+CONSTRAINTS = ("fixed", "forbidden", "min_angle", "min_baseline", "min_separation")
+RING = ("diameter_mm", "working_distance_mm", "fov_mm", "focus_mm", "axis")
+# All that any command has written into a layout file; another field is a slip of whoever edited it.
+FIELDS = (
+    "format", "version", "ring", "n_cameras", "threshold", "angles_deg", "angles_rad", "best_equidistant_phase_deg",
+    "areas_mm2", "fractions_of_ring_maximum", "smallest_separation_mm", "mesh", "meshes", "objective", "poses",
+    "falloff_mm", "constraints", "certificate", "settings", "seed", "versions", "robustness",
+)  # fmt: skip
+# Angles in degrees and in radians that differ by more than this [rad] were not meant to be the same.
+SAME_ANGLE = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class LayoutFile:
+    """What is read back from a layout file; `min_baseline` [mm] is that of its constraints, `content` all of it."""
+
+    path: Path
+    ring: exact.Ring
+    angles: np.ndarray
+    threshold: int
+    min_baseline: float
+    content: dict[str, Any]
+
+    @property
+    def made_for(self) -> dict[str, str]:
+        """Names of the meshes it was made for, as far as it says, by their fingerprints."""
+        kept = [self.content.get("mesh"), *(self.content.get("meshes") or ())]
+        return {mesh["sha256"]: mesh.get("name", "a mesh") for mesh in kept if mesh and mesh.get("sha256") is not None}
+
+    def refuse_other_mesh(self, mesh: trimesh.Trimesh, name: str, force: bool) -> None:
+        """Refuse a mesh that it was not made for, unless it does not say for which, or with `force`.
+
+        Raises
+        ------
+        InputError
+        """
+        if force or not self.made_for or fingerprint(mesh) in self.made_for:
+            return
+        meant = " or ".join(repr(known) for known in dict.fromkeys(self.made_for.values()))
+        raise InputError(
+            f"{self.path} was made for {meant}, and {name} is not the same mesh; give that one, or --force to use the "
+            "layout with this one"
+        )
+
+
+def ring_content(ring: exact.Ring) -> dict[str, Any]:
+    """The ring as it stands in the file, lengths in millimetres."""
+    return {
+        "diameter_mm": ring.diameter,
+        "working_distance_mm": ring.working_distance,
+        "fov_mm": list(ring.fov),
+        "focus_mm": list(ring.focus),
+        "axis": list(ring.axis),
+    }
+
+
+def placement_content(found: "placement.Placement", asked: "Request") -> dict[str, Any]:
+    """A `placement.Placement` as it stands in the file.
+
+    Areas are sums over the meshes, of several poses of a mesh their mean; fractions are what was maximised: the mean
+    over all meshes and poses, or the worst. "mesh" is the first, "meshes" are all of them.
+    """
+    first, n_poses, poses = found.sites[0], asked.n_poses, asked.rig
+    names = ("optimised", "equidistant", "best_equidistant", "ring_maximum")
+    areas = (found.area, found.equidistant_area, found.best_equidistant_area, found.ring_area)
+    fractions = (found.fraction, found.equidistant_fraction, found.best_equidistant_fraction, 1.0)
+    return {
+        "format": FORMAT,
+        "version": VERSION,
+        "ring": ring_content(found.ring),
+        "n_cameras": found.n_cameras,
+        "threshold": found.threshold,
+        "angles_deg": np.degrees(found.angles).tolist(),
+        "angles_rad": list(found.angles),
+        "best_equidistant_phase_deg": float(np.degrees(found.best_equidistant_phase)),
+        "areas_mm2": {name: area / n_poses for name, area in zip(names, areas, strict=True)},
+        "fractions_of_ring_maximum": dict(zip(names, fractions, strict=True)),
+        "smallest_separation_mm": found.smallest_separation if found.n_cameras > 1 else None,
+        "mesh": {"name": asked.subjects[0].name, "sha256": first.mesh_hash, "excluded": asked.excluded[0].words,
+                 "n_excluded_faces": first.n_excluded, "scale": 1.0 if asked.subjects[0].is_site else asked.rig.scale},
+        "meshes": [_mesh_content(found, asked, number) for number in range(len(asked.subjects))],
+        "objective": found.objective,
+        "poses": {"n": n_poses, "tilt_deg": poses.tilt_deg, "shift_mm": poses.shift_mm} if n_poses > 1 else None,
+        "falloff_mm": asked.rig.falloff_mm,
+        "constraints": asdict(found.constraints),
+        "certificate": None if found.certificate is None else certificate_content(found.certificate),
+        "settings": asdict(found.settings),
+        "seed": found.seed,
+        "versions": found.versions,
+    }  # fmt: skip
+
+
+def _mesh_content(found: "placement.Placement", asked: "Request", number: int) -> dict[str, Any]:
+    """One mesh: what it is, how much it counts, and its areas in each pose."""
+    about, excluded = asked.subjects[number], asked.excluded[number]
+    sites = found.sites[number * asked.n_poses : (number + 1) * asked.n_poses]
+    return {
+        "name": about.name,
+        "sha256": sites[0].mesh_hash,
+        "excluded": excluded.words,
+        "n_excluded_faces": sites[0].n_excluded,
+        "scale": 1.0 if about.is_site else asked.rig.scale,
+        "weight": asked.weights[number],
+        "areas_of_poses_mm2": [
+            {"optimised": site.area, "equidistant": site.equidistant_area,
+             "best_equidistant": site.best_equidistant_area, "ring_maximum": site.ring_area}
+            for site in sites
+        ],
+    }  # fmt: skip
+
+
+def certificate_content(certificate) -> dict[str, Any]:
+    """A `placement.Certificate` as it stands in the file: fractions of the ring maximum of the samples."""
+    return {
+        "bound_fraction": certificate.bound_fraction,
+        "gap": certificate.gap,
+        "grid_bound_fraction": certificate.grid_bound_fraction,
+        "grid_gap": certificate.grid_gap,
+        "proven": certificate.proven,
+        "statement": certificate.statement,
+    }
+
+
+def write(path: Path, content: dict[str, Any]) -> None:
+    """Write `content` as JSON, whole or not at all."""
+    with written_whole(path) as temporary:
+        temporary.write_text(json.dumps(content, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+
+
+def read(path: Path) -> LayoutFile:
+    """Read and check a layout file.
+
+    `angles_rad` is what counts; a file written by hand may give `angles_deg` instead.
+
+    Raises
+    ------
+    InputError
+        If it is not there, not JSON, or says too little or something else than a layout.
+    """
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(f"cannot read layout {path}: {error.strerror}") from error
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"{path} is not a layout file: it holds no valid JSON ({error})") from error
+    if not isinstance(content, dict) or content.get("format") != FORMAT:
+        raise InputError(f'{path} is not a layout file: "format" must be "{FORMAT}"; camring optimise writes one')
+    version = content.get("version")
+    if version != VERSION or isinstance(version, bool):
+        raise InputError(f"{path} has layout version {version!r}; only {VERSION} is known: update camring")
+    try:
+        _refuse_unknown(content, FIELDS, "")
+        _check_meshes(content)
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from error
+    ring = content.get("ring")
+    if not isinstance(ring, dict) or not {"diameter_mm", "working_distance_mm", "fov_mm"} <= set(ring):
+        raise InputError(f'{path}: "ring" must give diameter_mm, working_distance_mm and fov_mm')
+    try:
+        _refuse_unknown(ring, RING, ' in "ring"')
+        made = exact.Ring(
+            diameter=ring["diameter_mm"],
+            working_distance=ring["working_distance_mm"],
+            fov=ring["fov_mm"],
+            focus=ring.get("focus_mm", (0.0, 0.0, 0.0)),
+            axis=ring.get("axis", (0.0, 0.0, 1.0)),
+        )
+        angles = _angles(content)
+        made.positions(angles)
+        min_baseline = _baseline(content, made)
+    except (exact.ExactError, InputError) as error:
+        raise InputError(f"{path}: {error}") from error
+    threshold = content.get("threshold", 2)
+    if isinstance(threshold, bool) or not isinstance(threshold, int) or not 1 <= threshold <= len(angles):
+        raise InputError(f'{path}: "threshold" is {threshold!r}; it must be a whole number from 1 to {len(angles)}')
+    return LayoutFile(path, made, angles, threshold, min_baseline, content)
+
+
+def _baseline(content: dict[str, Any], ring: exact.Ring) -> float:
+    """Least baseline [mm]; 0 for a file that says nothing of constraints, such as one written by hand."""
+    kept = content.get("constraints", {})
+    if not isinstance(kept, dict) or not set(kept) <= set(CONSTRAINTS):
+        raise InputError(f'"constraints" is {kept!r}; it must give some of {", ".join(CONSTRAINTS)}')
+    asked = {name: kept[name] for name in ("min_baseline", "min_angle") if kept.get(name, 0) != 0}
+    if not asked:
+        return 0.0
+    import placement
+
+    try:
+        return placement.Constraints(**asked).baseline(ring)
+    except placement.PlacementError as error:
+        raise InputError(str(error)) from error
+
+
+def _angles(content: dict[str, Any]) -> np.ndarray:
+    given = []
+    for key, unit in (("angles_rad", 1.0), ("angles_deg", np.pi / 180)):
+        if key not in content:
+            continue
+        values = content[key]
+        numbers = isinstance(values, list) and values
+        if not numbers or any(isinstance(v, bool) or not isinstance(v, int | float) for v in values):
+            raise InputError(f'"{key}" must be a list of at least one number')
+        try:
+            given.append(np.array(values, dtype=np.float64) * unit)
+        except OverflowError as error:  # whole numbers of hundreds of digits
+            raise InputError(f'the ring angles of "{key}" must all be finite') from error
+    if not given:
+        raise InputError('it gives no ring angles; "angles_rad" or "angles_deg" must list them')
+    if not np.isfinite(given[0]).all():
+        raise InputError(f"ring angles {given[0].tolist()} are not all finite [rad]")
+    # Whoever edits one of the two by hand must not get the areas of the other.
+    if len(given[0]) != len(given[-1]) or not (np.abs(given[0] - given[-1]) <= SAME_ANGLE).all():
+        raise InputError('"angles_deg" and "angles_rad" are not the same angles; leave one of them out')
+    if content.get("n_cameras", len(given[0])) != len(given[0]):
+        raise InputError(f'"n_cameras" is {content["n_cameras"]!r}, and there are {len(given[0])} ring angles')
+    return given[0]
+
+
+def _refuse_unknown(kept: dict[str, Any], known: tuple[str, ...], where: str) -> None:
+    for name in kept:
+        if name not in known:
+            near = difflib.get_close_matches(name.lower(), known, n=1)
+            meant = f"; did you mean {near[0]}?" if near else ","
+            raise InputError(f"there is no field {name[:40]!r}{where}{meant} fields are {', '.join(known)}")
+
+
+def _check_meshes(content: dict[str, Any]) -> None:
+    """What is said of meshes must be what is read of it."""
+    several = content.get("meshes")
+    if not (several is None or isinstance(several, list)):
+        raise InputError(f'"meshes" is {several!r}; it must be a list of what "mesh" gives')
+    for mesh in (content.get("mesh"), *(several or ())):
+        words = mesh is None or (
+            isinstance(mesh, dict) and all(isinstance(mesh.get(key, ""), str) for key in ("name", "sha256"))
+        )
+        if not words:
+            raise InputError(f'"mesh" is {str(mesh)[:80]}; it must give "name" and "sha256", both in quotes')

@@ -1,0 +1,124 @@
+"""From the words of an option to numbers, angles still in degrees."""
+
+import math
+import re
+
+from experiments.files.errors import InputError
+
+
+def parse_fov(text: str, option: str = "--fov") -> tuple[float, float]:
+    """Width x height in millimetres.
+
+    Raises
+    ------
+    InputError
+        If it is something else, or one of them is not positive.
+
+    Examples
+    --------
+    >>> parse_fov("36x24")
+    (36.0, 24.0)
+    """
+    match = re.fullmatch(r"\s*([0-9.]+)\s*[x×]\s*([0-9.]+)\s*", text)
+    try:
+        width, height = (float(part) for part in match.groups()) if match else (0.0, 0.0)
+    except ValueError:
+        width = height = 0.0
+    if not (0 < width < math.inf and 0 < height < math.inf):
+        raise InputError(
+            f"{option} is {text[:40]!r}; it must be width x height in millimetres, both positive, as in 36x24"
+        )
+    return width, height
+
+
+def parse_angles(text: str, option: str = "--angles-deg") -> tuple[float, ...]:
+    """Angles separated by commas; none for an empty text.
+
+    Raises
+    ------
+    InputError
+        If one of them is no number, or not finite.
+
+    Examples
+    --------
+    >>> parse_angles("0, 90,180"), parse_angles("")
+    ((0.0, 90.0, 180.0), ())
+    """
+    try:
+        degrees = tuple(float(part) for part in text.split(",")) if text.strip() else ()
+    except ValueError as error:
+        raise InputError(f"{option} is {text!r}; it must be numbers separated by commas, as in 0,90,180") from error
+    if not all(math.isfinite(angle) for angle in degrees):
+        raise InputError(f"{option} is {text!r}; every angle must be finite")
+    return degrees
+
+
+def parse_vector(text: str, option: str = "--focus") -> tuple[float, float, float]:
+    """Three coordinates separated by commas.
+
+    Raises
+    ------
+    InputError
+        If they are not three finite numbers.
+
+    Examples
+    --------
+    >>> parse_vector("310, -120,8.5")
+    (310.0, -120.0, 8.5)
+    """
+    try:
+        x, y, z = (float(part) for part in text.split(","))
+    except ValueError:
+        x = y = z = math.nan
+    if not all(math.isfinite(number) for number in (x, y, z)):
+        raise InputError(f"{option} is {text!r}; it must be three numbers x,y,z in millimetres, as in 310,-120,8.5")
+    return x, y, z
+
+
+def parse_weights(text: str, option: str = "--site-weights") -> tuple[float, ...]:
+    """Weights separated by commas.
+
+    Raises
+    ------
+    InputError
+        If one of them is no number, not finite or negative, or all of them are 0.
+
+    Examples
+    --------
+    >>> parse_weights("1, 2.5")
+    (1.0, 2.5)
+    """
+    try:
+        weights = tuple(float(part) for part in text.split(","))
+    except ValueError:
+        weights = ()
+    if not weights or not all(0 <= weight < math.inf for weight in weights) or not any(weights):
+        raise InputError(f"{option} is {text!r}; it must be numbers, at least 0 and not all 0, as in 1,2.5")
+    return weights
+
+
+def parse_arcs(text: str, option: str = "--forbidden-deg") -> tuple[tuple[float, float], ...]:
+    """Arcs start:end separated by commas, each counter-clockwise from its start to its end; none for an empty text.
+
+    Raises
+    ------
+    InputError
+        If one of them is something else, or not finite.
+
+    Examples
+    --------
+    >>> parse_arcs("60:90, 350:10")
+    ((60.0, 90.0), (350.0, 10.0))
+    """
+    arcs = []
+    for part in text.split(",") if text.strip() else ():
+        try:
+            start, end = (float(word) for word in part.split(":"))
+        except ValueError:
+            start = end = math.nan
+        if not (math.isfinite(start) and math.isfinite(end)):
+            raise InputError(
+                f"{option} is {text!r}; it must be arcs start:end in degrees, separated by commas, as in 60:90,200:230"
+            )
+        arcs.append((start, end))
+    return tuple(arcs)

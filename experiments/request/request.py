@@ -1,0 +1,167 @@
+"""What one layout is to serve: one mesh or several, each as it is or in several poses."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import trimesh
+
+import exact
+import placement
+from experiments.files.errors import InputError
+from experiments.files.ring_maximum_cache import RememberedAreas
+from experiments.request.meshes import Exclusion, Subject, exclusion, is_site, subject
+from experiments.request.rig import Rig
+from placement.arcs import LayoutSpace
+from placement.constraints import checked_threshold
+
+
+@dataclass(frozen=True, eq=False)
+class Pose:
+    """One mesh in one pose.
+
+    Attributes
+    ----------
+    name : str
+        Name of the mesh, with the number of the pose if there are several.
+    mesh : trimesh.Trimesh
+    excluded : (F,) ndarray of bool
+        Faces that do not count.
+    weight : float
+        How much it counts in the mean.
+    face_weights : (F,) ndarray or None
+        How much each face counts.
+    """
+
+    name: str
+    mesh: trimesh.Trimesh
+    excluded: np.ndarray
+    weight: float
+    face_weights: np.ndarray | None
+
+
+@dataclass(frozen=True, eq=False)
+class Request:
+    """Meshes with the ring over them, all words understood.
+
+    Attributes
+    ----------
+    subjects : (S,) tuple of Subject
+    excluded : (S,) tuple of Exclusion
+    weights : (S,) tuple of float
+        How much each mesh counts in the mean.
+    poses : (S J,) tuple of Pose
+        J poses of the first mesh, then of the next; the first pose of each is the mesh as it is.
+    ring : exact.Ring
+    rig : Rig
+    """
+
+    subjects: tuple[Subject, ...]
+    excluded: tuple[Exclusion, ...]
+    weights: tuple[float, ...]
+    poses: tuple[Pose, ...]
+    ring: exact.Ring
+    rig: Rig
+
+    @property
+    def n_poses(self) -> int:
+        """Poses of each mesh."""
+        return len(self.poses) // len(self.subjects)
+
+    @property
+    def name(self) -> str:
+        """For headings."""
+        n_more = len(self.subjects) - 1
+        more = f" and {n_more} more" if n_more else ""
+        return f"{self.subjects[0].name}{more}{f', {self.n_poses} poses' if self.n_poses > 1 else ''}"
+
+    @property
+    def of(self) -> str:
+        """What a fraction is a fraction of, in words."""
+        if len(self.poses) == 1:
+            return "the ring maximum"
+        kinds = ((len(self.subjects), "meshes"), (self.n_poses, "poses"))
+        what = " and ".join(f"{number} {kind}" for number, kind in kinds if number > 1)
+        return f"the ring maximum, {'the worst' if self.rig.objective == 'worst' else 'the mean'} of {what}"
+
+    def check_cameras(self, n_cameras: int) -> None:
+        """Refuse a number of cameras that cannot meet the constraints, before anything is computed.
+
+        Raises
+        ------
+        placement.PlacementError
+        """
+        space = LayoutSpace(self.ring, n_cameras, self.rig.constraints)
+        checked_threshold(self.rig.threshold, space.n_cameras, space.constraints)
+
+    def problem(self, progress) -> placement.Problem:
+        """The question to `placement`; `progress` is told what is being done."""
+        weighted = self.rig.falloff_mm is not None
+        return placement.Problem(
+            [pose.mesh for pose in self.poses],
+            self.ring,
+            self.rig.threshold,
+            [pose.excluded for pose in self.poses],
+            self.rig.settings,
+            self.rig.seed,
+            [pose.face_weights for pose in self.poses] if weighted else None,
+            [pose.weight for pose in self.poses],
+            self.rig.objective,  # type: ignore[arg-type] - checked by Problem
+            progress=progress,
+            memory=RememberedAreas(),
+        )
+
+
+def request(names: Sequence[str], depth: float | None, detail: str | None, rig: Rig) -> Request:
+    """What a command is about: these meshes or sites under the ring of `rig` (see `rig_file.rig`).
+
+    `depth` is for sites that do not say theirs, as circ_flat@50 does.
+
+    Raises
+    ------
+    InputError, meshes.MeshError, exact.ExactError, placement.PlacementError
+
+    Examples
+    --------
+    >>> from experiments import rig_file
+    >>> asked = request(["circ_flat@50", "circ_flat"], 100, "coarse", rig_file.rig(jitter=2, site_weights="1,3"))
+    >>> asked.subjects[1].name, asked.name, [pose.weight for pose in asked.poses]
+    ('circ_flat, depth 100 mm', 'circ_flat, depth 50 mm and 1 more, 2 poses', [1.0, 1.0, 3.0, 3.0])
+    """
+    weights = (1.0,) * len(names) if rig.site_weights is None else rig.site_weights
+    if len(weights) != len(names):
+        raise InputError(f"site_weights are {weights}, and there are {len(names)} meshes; give one for each")
+    if len(names) > 1 and rig.exclude not in (None, "top", "none"):
+        raise InputError(
+            f"--exclude is {rig.exclude!r}, face indices of one mesh, and there are {len(names)}; give top or none"
+        )
+    subjects = _subjects(names, depth, detail, rig)
+    excluded = tuple(exclusion(about, rig.exclude) for about in subjects)
+    fovs = dict.fromkeys(about.fov for about in subjects)
+    if rig.fov is None and len(fovs) > 1:
+        wanted = " and ".join(f"{width:g}x{height:g}" for width, height in fovs)
+        raise InputError(f"these meshes are meant for fields of view of {wanted} mm; say which with --fov")
+    ring = rig.ring(subjects[0].fov)
+    poses = []
+    for about, left_out, weight in zip(subjects, excluded, weights, strict=True):
+        turned = placement.jitter(about.mesh, rig.tilt_deg, rig.shift_mm, rig.jitter, rig.seed, ring.focus)
+        for number, mesh in enumerate(turned, start=1):
+            name = about.name if len(turned) == 1 else f"{about.name}, pose {number}"
+            falling = None if rig.falloff_mm is None else placement.falloff(mesh, ring, rig.falloff_mm)
+            poses.append(Pose(name, mesh, left_out.mask, weight, falling))
+    return Request(subjects, excluded, weights, tuple(poses), ring, rig)
+
+
+def _subjects(names: Sequence[str], depth: float | None, detail: str | None, rig: Rig) -> tuple[Subject, ...]:
+    """Each mesh; of files and sites together, each with what belongs to its kind."""
+    files = [name for name in names if not is_site(name)]
+    undecided = [name for name in names if is_site(name) and "@" not in name]
+    found = []
+    for name in names:
+        if name in files:
+            kept = (depth, detail) if len(files) == len(names) else (None, None)
+            found.append(subject(name, *kept, rig.repair, rig.scale))
+        else:
+            own = None if "@" in name and undecided else depth
+            found.append(subject(name, own, detail, rig.repair, 1.0 if files else rig.scale))
+    return tuple(found)

@@ -1,0 +1,1 @@
+"""Optimised against equidistant rings on the sites of Wachter 2021."""

@@ -1,0 +1,1 @@
+"""Many tasks on many processes or machines, stopped and taken up again."""

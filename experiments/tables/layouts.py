@@ -1,0 +1,129 @@
+"""The table of layouts that `optimise` and `compare` print and write."""
+
+import csv
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from rich.table import Table
+
+from experiments.files.whole import written_whole
+from experiments.terminal.console import table
+
+if TYPE_CHECKING:  # at run time only their values are needed
+    import placement
+
+# Shares of the reconstructable area whose greatest best triangulation angle is told.
+SHARES = (0.05, 0.5, 0.95)
+
+
+@dataclass(frozen=True, eq=False)
+class Row:
+    """One layout and its figures.
+
+    Attributes
+    ----------
+    name : str
+    angles : (M,) ndarray
+        Ring angles [rad].
+    area, fraction : float
+        Exact reconstructable area [mm²], and fraction of the ring maximum.
+    gain : float or None
+        Fraction more than the layout everything is compared with; None for that layout itself.
+    smallest_separation : float
+        Least chord between two cameras [mm]; infinite for one camera.
+    widest_angle, mean_angle : float
+        Widest and mean best triangulation angle over the reconstructable area [rad].
+    angle_quantiles : tuple of float
+        Best triangulation angles that `SHARES` of the reconstructable area do not exceed [rad].
+    robustness : placement.Robustness or None
+        What is left under faults, if that was worked out.
+    breaks : tuple of str
+        Which constraints of the request it does not meet, in words: it is there to compare with only.
+    """
+
+    name: str
+    angles: np.ndarray
+    area: float
+    fraction: float
+    gain: float | None
+    smallest_separation: float
+    widest_angle: float
+    mean_angle: float
+    angle_quantiles: tuple[float, ...]
+    robustness: "placement.Robustness | None" = None
+    breaks: tuple[str, ...] = ()
+
+
+def row(
+    name: str,
+    angles,
+    area: float,
+    fraction: float,
+    gain: float | None,
+    spread: "placement.Triangulation",
+    robustness: "placement.Robustness | None" = None,
+    breaks: Sequence[str] = (),
+) -> Row:
+    """The row of a layout with this exact area [mm²] and fraction of the ring maximum."""
+    return Row(
+        name, np.asarray(angles), area, fraction, gain, spread.smallest_separation, spread.widest_angle,
+        spread.mean_best_angle, spread.best_angle_quantiles(SHARES), robustness, tuple(breaks),
+    )  # fmt: skip
+
+
+def layout_table(rows: Sequence[Row], compared_with: str) -> Table:
+    """For the terminal."""
+    shown = table(
+        "layout", "exact area\n[mm²]", "of the ring\nmaximum", f"gain over\n{compared_with}",
+        "smallest\nseparation [mm]", "triangulation\nwidest, mean [°]",
+    )  # fmt: skip
+    for row in rows:
+        shown.add_row(
+            f"{row.name} (not allowed)" if row.breaks else row.name,
+            f"{row.area:.2f}",
+            f"{100 * row.fraction:.2f} %",
+            "" if row.gain is None else f"{100 * row.gain:+.2f} %",
+            f"{row.smallest_separation:.3f}" if np.isfinite(row.smallest_separation) else "",
+            f"{np.degrees(row.widest_angle):.2f}, {np.degrees(row.mean_angle):.2f}",
+        )
+    return shown
+
+
+def figures(row: Row) -> dict[str, Any]:
+    """Every figure of a row in full, angles in degrees; None where there is none."""
+    found = row.robustness
+    faults = {} if found is None else {
+        "worst_failure_fraction": found.worst_failure,
+        "mean_failure_fraction": found.mean_failure,
+        "worst_mounting_fraction": found.worst_mounting,
+    }  # fmt: skip
+    quantiles = {
+        f"triangulation_angle_{100 * share:.0f}_percent_deg": float(np.degrees(angle))
+        for share, angle in zip(SHARES, row.angle_quantiles, strict=True)
+    }
+    return {
+        "layout": row.name,
+        "area_mm2": row.area,
+        "fraction_of_ring_maximum": row.fraction,
+        "gain_fraction": row.gain,
+        "smallest_separation_mm": row.smallest_separation if np.isfinite(row.smallest_separation) else None,
+        "widest_triangulation_angle_deg": float(np.degrees(row.widest_angle)),
+        "mean_triangulation_angle_deg": float(np.degrees(row.mean_angle)),
+        **quantiles,
+        **faults,
+        "breaks_constraints": "; ".join(row.breaks),
+        "ring_angles_deg": np.degrees(row.angles).tolist(),
+    }
+
+
+def write_csv(path: Path, rows: Sequence[Row]) -> None:
+    """The figures of each row, ring angles separated by blanks."""
+    table = [figures(row) for row in rows]
+    with written_whole(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, list(table[0]), lineterminator="\n")
+        writer.writeheader()
+        for row in table:
+            writer.writerow(row | {"ring_angles_deg": " ".join(map(repr, row["ring_angles_deg"]))})
