@@ -19,6 +19,7 @@ from loky import ProcessPoolExecutor
 
 from exact.cameras import Camera
 from exact.clipping import cut_pieces, unite, whole_faces
+from exact.demand import Criterion
 from exact.errors import ExactError
 from exact.occlusion import CUT, WHOLE, Sight, look
 from exact.projection import NEAR, project
@@ -89,41 +90,6 @@ class Tally:
 
 
 @dataclass(frozen=True, eq=False)
-class Demand:
-    """When a point counts as reconstructable: seen by `threshold` cameras, two of them far enough apart.
-
-    `far` is (M, M) bool, or None if no baseline is asked for. With `sets` only parts that the very same cameras see
-    are ever merged.
-    """
-
-    threshold: int
-    far: np.ndarray | None
-    sets: bool = False
-
-    def met(self, seen: np.ndarray) -> np.ndarray:
-        """(N,) whether each row of `seen` (N, M) meets it."""
-        enough = np.asarray(seen.sum(axis=1) >= self.threshold)
-        return enough if self.far is None else enough & self._paired(seen)
-
-    def state(self, seen: np.ndarray, coming: np.ndarray) -> np.ndarray:
-        """(N, K) rows that are equal for parts that will meet the demand by the same future views `coming` (M,)."""
-        if self.sets:
-            return seen
-        count = np.minimum(seen.sum(axis=1), self.threshold)[:, None]
-        if self.far is None:
-            return count
-        paired = self._paired(seen)[:, None]
-        return np.concatenate([count, paired, self._reach(seen)[:, coming] & ~paired], axis=1)
-
-    def _reach(self, seen: np.ndarray) -> np.ndarray:
-        """(N, M) whether each camera is far from one that sees the row's part."""
-        return seen.astype(np.float32) @ np.asarray(self.far, dtype=np.float32) > 0
-
-    def _paired(self, seen: np.ndarray) -> np.ndarray:
-        return np.asarray((seen & self._reach(seen)).any(axis=1))
-
-
-@dataclass(frozen=True, eq=False)
 class Count:
     """How far the counting has come.
 
@@ -134,7 +100,7 @@ class Count:
     whole_seen : (F, M) bool
     is_cut : (F,) bool
     waiting : Pieces
-        Those that do not meet the demand yet.
+        Those that do not meet the criterion yet.
     done : tuple of Pieces
     n_repairs : int
     """
@@ -173,20 +139,20 @@ def spread_order(cameras: Sequence[Camera]) -> np.ndarray:
 def tally(
     surface: Surface,
     cameras: Sequence[Camera],
-    demand: Demand,
+    criterion: Criterion,
     active: np.ndarray,
     workers: int,
     report: Callable[[int], object] | None = None,
     depth_order: str = "exact",
 ) -> Tally:
-    """Count the views of every part of the `active` faces, (F,) bool, until it meets `demand`."""
+    """Count the views of every part of the `active` faces, (F,) bool, until it meets `criterion`."""
     active = active & (surface.areas > 0)
     _ = surface.solid  # found once, not by every worker
     if workers == 1 or active.sum() < workers:
-        return _tally(surface, cameras, demand, active, depth_order, report)
+        return _tally(surface, cameras, criterion, active, depth_order, report)
     shares = _shares(surface, cameras[0], active, workers)
     with processes(workers) as executor:
-        futures = [executor.submit(_tally, surface, cameras, demand, share, depth_order) for share in shares]
+        futures = [executor.submit(_tally, surface, cameras, criterion, share, depth_order) for share in shares]
         for done, _ in enumerate(as_completed(futures)):
             if report is not None:
                 report(len(cameras) * (done + 1) // workers - len(cameras) * done // workers)
@@ -257,7 +223,7 @@ def _shares(surface: Surface, camera: Camera, active: np.ndarray, n: int) -> lis
 def _tally(
     surface: Surface,
     cameras: Sequence[Camera],
-    demand: Demand,
+    criterion: Criterion,
     active: np.ndarray,
     depth_order: str,
     report: Callable[[int], object] | None = None,
@@ -266,7 +232,7 @@ def _tally(
     coming = np.ones(len(cameras), dtype=bool)
     for block in np.split(spread_order(cameras), range(BLOCK, len(cameras), BLOCK)):
         coming[block] = False
-        count = add_views(count, surface, cameras, block, coming, demand, depth_order)
+        count = add_views(count, surface, cameras, block, coming, criterion, depth_order)
         if report is not None:
             report(len(block))
         if not count.active.any():
@@ -297,7 +263,7 @@ def add_views(
     cameras: Sequence[Camera],
     block: np.ndarray,
     coming: np.ndarray,
-    demand: Demand,
+    criterion: Criterion,
     depth_order: str = "exact",
 ) -> Count:
     """Count the views of the cameras with the indices `block` too; `coming`, (M,) bool, are those after them."""
@@ -309,23 +275,23 @@ def add_views(
         whole = np.flatnonzero(active & ~is_cut)
         whole_seen[whole, i] = sights[-1].status[whole] == WHOLE
         active = active.copy()
-        active[whole] = ~demand.met(whole_seen[whole])
+        active[whole] = ~criterion.met(whole_seen[whole])
     n_repairs = count.n_repairs + sum(sight.n_repairs for sight in sights)
     status = np.stack([sight.status for sight in sights], axis=1)
     new = np.flatnonzero(active & ~is_cut & (status == CUT).any(axis=1))
     pieces = Pieces.joined([count.waiting, Pieces(new, whole_faces(len(new)), whole_seen[new])])
     is_cut[new] = True
     whole_seen[new] = False
-    finished, pieces, repairs = _refine(pieces, sights, status, block, demand, coming)
+    finished, pieces, repairs = _refine(pieces, sights, status, block, criterion, coming)
     active = active & ~is_cut
     active[pieces.face] = True
     return Count(active, whole_seen, is_cut, pieces, (*count.done, finished), n_repairs + repairs)
 
 
-def _refine(pieces: Pieces, sights: list[Sight], status, block: np.ndarray, demand: Demand, coming: np.ndarray):
+def _refine(pieces: Pieces, sights: list[Sight], status, block: np.ndarray, criterion: Criterion, coming: np.ndarray):
     """Cut pieces along what each camera of a block sees of them; finished pieces, the others, number of repairs."""
     pieces.seen[:, block] = status[pieces.face] == WHOLE
-    met = demand.met(pieces.seen)
+    met = criterion.met(pieces.seen)
     done, pieces, n_repairs = [pieces.take(met)], pieces.take(~met), 0
     coming = coming.copy()
     coming[block] = True
@@ -347,11 +313,11 @@ def _refine(pieces: Pieces, sights: list[Sight], status, block: np.ndarray, dema
         cells = Pieces(cut.face[origin[of_divided]], cell[of_divided], cut.seen[origin[of_divided]])
         cells.seen[:, camera] = answer[of_divided]
         cut = cut.take(~divided)
-        met, cells_met = demand.met(cut.seen), demand.met(cells.seen)
+        met, cells_met = criterion.met(cut.seen), criterion.met(cells.seen)
         done += [cut.take(met), cells.take(cells_met)]
         cells = cells.take(~cells_met)
         if coming.any():
-            cells, repairs = _merged(cells, demand.state(cells.seen, coming))
+            cells, repairs = _merged(cells, criterion.state(cells.seen, coming))
             n_repairs += repairs
         pieces = Pieces.joined([rest, cut.take(~met), cells])
     return Pieces.joined(done), pieces, n_repairs

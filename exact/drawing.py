@@ -1,18 +1,23 @@
 """A reconstruction as it looks from somewhere: hidden parts removed exactly, each part with its number of views."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 import shapely
 
 from exact.cameras import Camera
 from exact.clipping import GRID_SIZE, whole_faces
+from exact.demand import Demand
 from exact.evaluate import view
 from exact.projection import image_polygons
-from exact.results import Reconstruction
+
+if TYPE_CHECKING:
+    from exact.results import Reconstruction
 
 NOT_COUNTED = -1
 
 
-def seen_from(reconstruction: Reconstruction, camera: Camera) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def seen_from(reconstruction: "Reconstruction", camera: Camera) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """What `camera` shows of a reconstruction, cut where the number of views changes.
 
     Parameters
@@ -40,12 +45,21 @@ def seen_from(reconstruction: Reconstruction, camera: Camera) -> tuple[np.ndarra
     >>> n_views.tolist()
     [2, 2]
     """
-    surface, tally = reconstruction._surface, reconstruction._tally
-    whole, cut_face, cut_piece = view(reconstruction._mesh, camera)._parts
+    polygons, n_views, _, face = regions_from(reconstruction, camera, reconstruction.demand)
+    return polygons, n_views, face
+
+
+def regions_from(
+    reconstruction: "Reconstruction", camera: Camera, demand: Demand
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """As `seen_from`, with (N,) bool before the last: whether each region meets `demand`, of no higher threshold."""
+    criterion = demand.of(reconstruction._cameras)
+    scene, tally = reconstruction._scene, reconstruction._tally
+    whole, cut_face, cut_piece = view(scene, camera)._parts
     shown_face, shown = np.concatenate([whole, cut_face]), np.concatenate([whole_faces(len(whole)), cut_piece])
     is_whole = np.arange(len(shown_face)) < len(whole)
     count = np.minimum(tally.whole_seen.sum(axis=1), reconstruction.threshold)
-    count[~reconstruction._counted] = NOT_COUNTED
+    count[~scene.counted] = NOT_COUNTED
     plain = ~tally.is_cut[shown_face]
     # Faces in pieces: each piece that meets what is shown of its face, clipped to it unless the face is shown whole.
     order = np.argsort(shown_face[~plain])
@@ -63,7 +77,8 @@ def seen_from(reconstruction: Reconstruction, camera: Camera) -> tuple[np.ndarra
     face = np.concatenate([shown_face[plain], pieces.face[found]])
     polygon = np.concatenate([shown[plain], clipped])
     n_views = np.concatenate([count[shown_face[plain]], piece_count])
+    met = np.concatenate([criterion.met(tally.whole_seen[shown_face[plain]]), criterion.met(pieces.seen[found])])
     parts, owner = shapely.get_parts(polygon, return_index=True)
     areal = shapely.get_dimensions(parts) == 2  # an intersection may leave points and lines, which show nothing
     parts, owner = parts[areal], owner[areal]
-    return image_polygons(surface, camera, face[owner], parts), n_views[owner], face[owner]
+    return image_polygons(scene.surface, camera, face[owner], parts), n_views[owner], met[owner], face[owner]

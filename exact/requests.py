@@ -1,26 +1,97 @@
-"""What a request to the evaluator may be; everything else is refused before any work is done."""
+"""A request as its keywords: what counts, on what, by which cameras; what cannot be is refused before any work.
 
-import sys
-from collections.abc import Sequence
+The keywords are the fields of `Scene` and of `Demand`. They are declared there alone: a function takes all of them as
+`**asked`, and hands them on whole.
+"""
 
-import numpy as np
+import difflib
+import inspect
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import MISSING, fields
+from typing import Any, TypeVar
 
+import trimesh
+
+from exact import demand, scene
 from exact.cameras import Camera
+from exact.demand import Demand
 from exact.errors import ExactError
+from exact.scene import Scene
 from exact.whole_numbers import is_whole
 
-# Two cameras are "at least that far apart" if they fall short of it by rounding only.
-SAME_LENGTH = 1e-12
+Asking = TypeVar("Asking", bound=Callable)
 
 
-def checked_threshold(threshold: int, n_cameras: int) -> int:
-    """`threshold` as an int, if that many of `n_cameras` can see a point."""
-    if not (is_whole(threshold) and 1 <= threshold <= n_cameras):
-        raise ExactError(
-            f"threshold is {threshold} with {n_cameras} cameras; it must be a whole number from 1 to the number of "
-            "cameras: add cameras or lower the threshold"
-        )
-    return int(threshold)
+def scene_keywords() -> dict[str, Any]:
+    """What a `Scene` holds beside the mesh: names and defaults."""
+    return _defaults(scene.Scene, without="mesh")
+
+
+def demand_keywords() -> dict[str, Any]:
+    """What a `Demand` holds: names and defaults."""
+    return _defaults(demand.Demand)
+
+
+def checked_scene(mesh: trimesh.Trimesh | Scene, asked: Mapping[str, Any]) -> Scene:
+    """The `Scene` itself, or one of a mesh and the keywords of `Scene` among those `asked`."""
+    given = {name: asked[name] for name in scene_keywords() if asked.get(name) is not None}
+    if not isinstance(mesh, Scene):
+        return scene.Scene(mesh, **given)
+    if given:
+        raise ExactError(f"{' and '.join(given)}: part of a Scene; give it to the Scene, and the Scene alone here")
+    return mesh
+
+
+def checked_demand(asked: Mapping[str, Any]) -> Demand:
+    """The `Demand` given as `demand`, or one of the keywords of `Demand` among those `asked`."""
+    given = {name: asked[name] for name in demand_keywords() if name in asked}
+    whole = asked.get("demand")
+    if whole is None:
+        return demand.Demand(**given)
+    if not isinstance(whole, Demand):
+        raise ExactError(f"demand is a {type(whole).__name__}; an exact.Demand is needed")
+    if given:
+        raise ExactError(f"{' and '.join(given)}: part of a Demand; give it to the Demand, and the Demand alone here")
+    return whole
+
+
+def checked(mesh: trimesh.Trimesh | Scene, asked: Mapping[str, Any]) -> tuple[Scene, Demand]:
+    """Scene and demand of a request.
+
+    Raises
+    ------
+    TypeError
+        If a keyword is neither of `Scene` nor of `Demand`.
+    ExactError
+        If one of them makes no sense.
+    """
+    refuse_unknown(asked, {*scene_keywords(), *demand_keywords(), "demand"})
+    return checked_scene(mesh, asked), checked_demand(asked)
+
+
+def refuse_unknown(asked: Mapping[str, Any], known: Collection[str]) -> None:
+    """Refuse a keyword that is not known, with the one that was probably meant."""
+    for name in asked:
+        if name not in known:
+            near = difflib.get_close_matches(name, known, n=1)
+            meant = f"; did you mean {near[0]!r}?" if near else f"; there are {', '.join(sorted(known))}"
+            raise TypeError(f"unexpected keyword argument {name!r}{meant}")
+
+
+def shows(keywords: Mapping[str, Any]) -> Callable[[Asking], Asking]:
+    """Let help and editors show these keywords of a function, with their defaults, instead of its `**asked`."""
+
+    def decorate(function: Asking) -> Asking:
+        own = inspect.signature(function)
+        plain = [one for one in own.parameters.values() if one.kind is not inspect.Parameter.VAR_KEYWORD]
+        more = [
+            inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default)
+            for name, default in keywords.items()
+        ]
+        function.__signature__ = own.replace(parameters=[*plain, *more])  # type: ignore[attr-defined]
+        return function
+
+    return decorate
 
 
 def checked_workers(workers: int) -> int:
@@ -28,16 +99,6 @@ def checked_workers(workers: int) -> int:
     if not (is_whole(workers) and workers >= 1):
         raise ExactError(f"workers is {workers}; it must be a whole number, at least 1")
     return int(workers)
-
-
-def far_apart(cameras: Sequence[Camera], min_baseline: float) -> np.ndarray | None:
-    """(M, M) bool: pairs of cameras at least `min_baseline` [mm] apart; None for 0, where any pair will do."""
-    if not 0 <= min_baseline <= sys.float_info.max:  # written so that nan is refused
-        raise ExactError(f"min_baseline is {min_baseline}; it must be finite and at least 0 [mm]")
-    if min_baseline == 0:
-        return None
-    position = np.array([camera.position for camera in cameras]).reshape(-1, 3)
-    return np.linalg.norm(position[:, None] - position[None, :], axis=2) >= min_baseline * (1 - SAME_LENGTH)
 
 
 def checked_cameras(cameras: Sequence[Camera]) -> tuple[Camera, ...]:
@@ -51,26 +112,9 @@ def checked_cameras(cameras: Sequence[Camera]) -> tuple[Camera, ...]:
     return cameras
 
 
-def checked_mask(exclude, n_faces: int) -> np.ndarray:
-    """(F,) bool: `exclude`, or nothing for None."""
-    if exclude is None:
-        return np.zeros(n_faces, dtype=bool)
-    mask = np.asarray(exclude)
-    if mask.dtype != bool or mask.shape != (n_faces,):
-        raise ExactError(
-            f"exclude is an array of {mask.dtype} with shape {mask.shape}; it must be bool with one entry for each of "
-            f"the {n_faces} faces"
-        )
-    return mask
-
-
-def checked_weights(weights, n_faces: int) -> np.ndarray | None:
-    """(F,) float: `weights`, or None."""
-    if weights is None:
-        return None
-    values = np.asarray(weights, dtype=np.float64)
-    if values.shape != (n_faces,) or not np.isfinite(values).all() or (values < 0).any():
-        raise ExactError(
-            f"weights has shape {values.shape}; it must be finite, not negative, one for each of the {n_faces} faces"
-        )
-    return values
+def _defaults(kind: type, without: str = "") -> dict[str, Any]:
+    return {
+        field.name: None if field.default is MISSING else field.default
+        for field in fields(kind)
+        if field.init and field.name != without
+    }

@@ -10,7 +10,8 @@ import trimesh
 from exact.cameras import Camera
 from exact.clipping import whole_faces
 from exact.coverage import Tally
-from exact.surface import Surface
+from exact.demand import Demand
+from exact.scene import Scene
 
 if TYPE_CHECKING:  # drawing alone needs matplotlib
     from matplotlib.axes import Axes
@@ -64,42 +65,55 @@ class Reconstruction:
 
     Attributes
     ----------
-    threshold : int
-    min_baseline : float
-        Two of the cameras that see a reconstructable point are at least this far apart [mm].
+    demand : Demand
+        What makes a point count.
     face_areas : (F,) float
         Reconstructable area of each face [mm²], 0 for excluded faces.
     level_face_areas : (threshold, F) float
         Area of each face seen by at least 1, 2, .. `threshold` cameras [mm²].
-    weights : (F,) float or None
-        Factor by which each face's area counts in `area` and `level_areas`; None counts each fully.
     repairs : int
         How often rounding made a step fail its own check so that it was done again in a robust way.
     """
 
-    threshold: int
-    min_baseline: float
+    demand: Demand
     face_areas: np.ndarray
     level_face_areas: np.ndarray
-    weights: np.ndarray | None
     repairs: int
-    _mesh: trimesh.Trimesh = field(repr=False)
+    _scene: Scene = field(repr=False)
     _cameras: tuple[Camera, ...] = field(repr=False)
-    _surface: Surface = field(repr=False)
     _tally: Tally = field(repr=False)
-    _counted: np.ndarray = field(repr=False)
     _whole_met: np.ndarray = field(repr=False)
     _piece_met: np.ndarray = field(repr=False)
 
     @property
+    def threshold(self) -> int:
+        """How many cameras must see a point."""
+        return self.demand.threshold
+
+    @property
+    def min_baseline(self) -> float:
+        """Least distance between some two of the cameras that see a point [mm]."""
+        return self.demand.min_baseline
+
+    @property
+    def weights(self) -> np.ndarray | None:
+        """(F,) factor by which each face's area counts in `area` and `level_areas`; None counts each fully."""
+        return self._scene.weights
+
+    @property
     def area(self) -> float:
         """Reconstructable area [mm²], weighted if weights were given; 0.0 if there is none."""
-        return float(self.face_areas.sum() if self.weights is None else self.face_areas @ self.weights)
+        return float(self._scene.worth(self.face_areas))
 
     @property
     def level_areas(self) -> np.ndarray:
         """(threshold,) area seen by at least 1, 2, .. `threshold` cameras [mm²], weighted like `area`."""
-        return self.level_face_areas.sum(axis=1) if self.weights is None else self.level_face_areas @ self.weights
+        return self._scene.worth(self.level_face_areas)
+
+    @property
+    def words(self) -> str:
+        """What `area` is the area of: "seen by at least 2 cameras", with baseline and weights where there are any."""
+        return self.demand.words + (", faces weighted" if self._scene.is_weighted else "")
 
     def plot(self, ax: "Axes | None" = None) -> "Axes":
         """Draw it from the cameras' side, coloured by the number of views; into `ax`, or axes of its own."""
@@ -126,15 +140,15 @@ class Reconstruction:
         trimesh.Trimesh
             Open, oriented like the input; without faces if there is nothing to show.
         """
-        surface, tally = self._surface, self._tally
+        scene, tally = self._scene, self._tally
         if level is None:
             whole, pieces = self._whole_met, self._piece_met
         else:
             whole = np.minimum(tally.whole_seen.sum(axis=1), self.threshold) == level
-            whole &= self._counted & ~tally.is_cut & (surface.areas > 0)
+            whole &= scene.counted & ~tally.is_cut & (scene.surface.areas > 0)
             pieces = np.minimum(tally.pieces.seen.sum(axis=1), self.threshold) == level
         shown = tally.pieces.take(pieces)
-        return triangulated(self._mesh, np.flatnonzero(whole), shown.face, shown.polygon)[0]
+        return triangulated(scene.mesh, np.flatnonzero(whole), shown.face, shown.polygon)[0]
 
 
 def triangulated(

@@ -12,7 +12,8 @@ import numpy as np
 import shapely
 
 from exact.cameras import Camera
-from exact.drawing import NOT_COUNTED, seen_from
+from exact.demand import Demand
+from exact.drawing import NOT_COUNTED, regions_from
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -21,6 +22,8 @@ if TYPE_CHECKING:
 
 UNCOUNTED_COLOUR = "#e3e0da"
 UNSEEN_COLOUR = "#4a4a4a"
+# What enough cameras see, none of them far enough apart: stands for a number of views, and has a colour of its own.
+TOO_NEAR, TOO_NEAR_COLOUR = -2, "#c99ac0"
 # The display camera stands this many half widths of its picture above the top of the surface: near enough to show
 # the walls of a channel, far enough not to distort what is at the rim.
 NEARNESS = 1.7
@@ -33,7 +36,7 @@ def colours(n_views: int, threshold: int) -> dict[int, np.ndarray]:
     import matplotlib
     from matplotlib.colors import to_rgb
 
-    table: dict[int, Any] = {NOT_COUNTED: UNCOUNTED_COLOUR, 0: UNSEEN_COLOUR}
+    table: dict[int, Any] = {TOO_NEAR: TOO_NEAR_COLOUR, NOT_COUNTED: UNCOUNTED_COLOUR, 0: UNSEEN_COLOUR}
     for count in range(1, n_views + 1):
         if count < threshold:
             table[count] = matplotlib.colormaps["YlOrBr"](0.55 - 0.3 * (count - 1) / max(threshold - 1, 1))
@@ -94,15 +97,19 @@ def add_polygons(ax: "Axes", polygons: np.ndarray, fill: np.ndarray, shift=(0.0,
 
 
 def add_surface(
-    ax: "Axes", reconstruction: "Reconstruction", camera: Camera, palette: dict[int, np.ndarray]
+    ax: "Axes", reconstruction: "Reconstruction", camera: Camera, palette: dict[int, np.ndarray], demand: Demand
 ) -> set[int]:
-    """Draw a reconstruction as `camera` shows it, in these colours; the numbers of views that are in the picture."""
-    polygons, n_views, face = seen_from(reconstruction, camera)
-    base = np.stack([palette[int(count)] for count in n_views]) if len(n_views) else np.zeros((0, 3))
-    add_polygons(ax, polygons, shaded(base, reconstruction._mesh.face_normals[face], camera))
+    """Draw a reconstruction as `camera` shows it, in these colours; the keys of `palette` that are in the picture.
+
+    What as many cameras see as `demand` has it, and does not meet it all the same, is `TOO_NEAR`.
+    """
+    polygons, n_views, met, face = regions_from(reconstruction, camera, demand)
+    key = np.where((n_views >= demand.threshold) & ~met, TOO_NEAR, n_views)
+    base = np.stack([palette[int(one)] for one in key]) if len(key) else np.zeros((0, 3))
+    add_polygons(ax, polygons, shaded(base, reconstruction._scene.mesh.face_normals[face], camera))
     half = camera.fov[0] / 2
     ax.set(xlim=(-half, half), ylim=(-half, half), xticks=[], yticks=[], aspect="equal")
-    return set(n_views.tolist())
+    return set(key.tolist())
 
 
 def plot(reconstruction: "Reconstruction", ax: "Axes | None" = None) -> "Axes":
@@ -131,11 +138,12 @@ def plot(reconstruction: "Reconstruction", ax: "Axes | None" = None) -> "Axes":
 
     if ax is None:
         ax = Figure(figsize=(5.0, 5.4), layout="constrained").subplots()
-    threshold = reconstruction.threshold
+    demand, threshold = reconstruction.demand, reconstruction.threshold
     palette = colours(threshold, threshold)
-    shown = add_surface(ax, reconstruction, _own_view(reconstruction), palette)
-    ax.set_title(f"{reconstruction.area:.2f} mm² {_words(threshold, threshold)}")
-    labels = {NOT_COUNTED: "not counted"} | {count: _words(count, threshold) for count in range(threshold + 1)}
+    shown = add_surface(ax, reconstruction, _own_view(reconstruction), palette, demand)
+    ax.set_title(f"{reconstruction.area:.2f} mm² {reconstruction.words}", wrap=True)
+    labels = {TOO_NEAR: too_near(demand), NOT_COUNTED: "not counted"}
+    labels |= {count: _words(count, threshold) for count in range(threshold + 1)}
     handles = [
         Patch(facecolor=tuple(palette[n]), edgecolor="black", linewidth=0.5, label=labels[n]) for n in sorted(shown)
     ]
@@ -145,7 +153,7 @@ def plot(reconstruction: "Reconstruction", ax: "Axes | None" = None) -> "Axes":
 
 def _own_view(reconstruction: "Reconstruction") -> Camera:
     """From the middle of the cameras' side on what any of them sees, or on everything that counts."""
-    cameras, mesh = reconstruction._cameras, reconstruction._mesh
+    cameras, mesh = reconstruction._cameras, reconstruction._scene.mesh
     position = np.mean([camera.position for camera in cameras], axis=0)
     ahead = [camera.position + camera.target_distance * camera.rotation[2] for camera in cameras]
     focus = np.mean(ahead, axis=0)
@@ -159,6 +167,11 @@ def _own_view(reconstruction: "Reconstruction") -> Camera:
     return camera_above(corners, focus, right, np.cross(axis, right), distance)
 
 
+def too_near(demand: Demand) -> str:
+    """What `TOO_NEAR` means, in words."""
+    return f"enough cameras, no two {demand.baseline:g} mm apart"
+
+
 def _words(count: int, threshold: int) -> str:
     cameras = f"{count or 'no'} camera{'' if count < 2 else 's'}"
     return f"seen by {'at least ' if count == threshold else ''}{cameras}"
@@ -166,7 +179,7 @@ def _words(count: int, threshold: int) -> str:
 
 def html(reconstruction: "Reconstruction") -> str:
     """A table of areas and a small picture, for notebooks."""
-    rows = [("reconstructable", reconstruction.area)]
+    rows = [(f"reconstructable: {reconstruction.words}", reconstruction.area)]
     for level, area in enumerate(reconstruction.level_areas, start=1):
         rows.append((f"seen by at least {level} camera{'' if level == 1 else 's'}", area))
     return page(rows_html(("area", "mm²"), [(words, f"{area:.4f}") for words, area in rows]), plot(reconstruction))

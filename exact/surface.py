@@ -1,9 +1,7 @@
 """A triangle mesh prepared for many cameras: merged vertices, edges with their faces, curves where faces intersect."""
 
-from collections import OrderedDict
 from dataclasses import dataclass
 from functools import cached_property
-from threading import Lock
 
 import numpy as np
 import trimesh
@@ -17,10 +15,6 @@ from exact.intersections import Intersections, Planes, intersecting_faces
 THINNEST_FACE = 1e-12
 # Below this angle [rad] an edge counts as flat rather than concave; flat edges keep their silhouettes.
 FLAT = 1e-9
-
-_CACHE: OrderedDict = OrderedDict()
-_CACHE_SIZE = 4
-_CACHE_LOCK = Lock()
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,33 +108,15 @@ class Surface:
 
 
 def prepare(mesh: trimesh.Trimesh) -> Surface:
-    """Arrays of `mesh` for the evaluator; the last few meshes are remembered by their content.
+    """Arrays of `mesh` for the evaluator.
 
     Raises
     ------
     ExactError
-        If `mesh` is not a triangle mesh with finite vertices and at least one face with area, has two neighbouring
-        faces of opposite winding, or is closed and inside out.
+        If `mesh` has a vertex that is not finite or no face with area, has two neighbouring faces of opposite winding,
+        or is closed and inside out.
     """
-    if not isinstance(mesh, trimesh.Trimesh):
-        raise ExactError(f"mesh is a {type(mesh).__name__}; a trimesh.Trimesh is needed: see meshes.load")
-    key = (hash(mesh.vertices), hash(mesh.faces), len(mesh.vertices), len(mesh.faces))
-    with _CACHE_LOCK:
-        if key in _CACHE:
-            _CACHE.move_to_end(key)
-            return _CACHE[key]
-    surface = _build(np.asarray(mesh.vertices, dtype=np.float64), np.asarray(mesh.faces, dtype=np.int64))
-    with _CACHE_LOCK:
-        _CACHE[key] = surface
-        while len(_CACHE) > _CACHE_SIZE:
-            _CACHE.popitem(last=False)
-    return surface
-
-
-def forget() -> None:
-    """Drop all remembered meshes, as a benchmark needs it."""
-    with _CACHE_LOCK:
-        _CACHE.clear()
+    return _build(np.asarray(mesh.vertices, dtype=np.float64), np.asarray(mesh.faces, dtype=np.int64))
 
 
 def _build(points: np.ndarray, faces: np.ndarray) -> Surface:

@@ -5,17 +5,28 @@ cameras do the work.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 import shapely
 import trimesh
 
 from exact.cameras import Camera
-from exact.coverage import Demand, Pieces, tally
-from exact.requests import checked_cameras, checked_mask, checked_weights, checked_workers
+from exact.coverage import Pieces, tally
+from exact.demand import Criterion
+from exact.requests import (
+    checked_cameras,
+    checked_demand,
+    checked_scene,
+    checked_workers,
+    demand_keywords,
+    refuse_unknown,
+    scene_keywords,
+    shows,
+)
 from exact.results import triangulated
-from exact.surface import prepare
+from exact.scene import Scene
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,28 +46,35 @@ class ViewSets:
     seen: np.ndarray
     areas: np.ndarray
     repairs: int
-    _mesh: trimesh.Trimesh = field(repr=False)
+    _scene: Scene = field(repr=False)
+    _cameras: tuple[Camera, ...] = field(repr=False)
     _whole: np.ndarray = field(repr=False)
     _pieces: Pieces = field(repr=False)
     _set: np.ndarray = field(repr=False)
 
-    def area(self, threshold: int = 2, cameras: np.ndarray | None = None, far: np.ndarray | None = None) -> float:
-        """Area [mm²] that at least `threshold` of the chosen cameras see.
+    @shows({"cameras": None, "far": None, **demand_keywords(), "demand": None})
+    def area(self, **asked: Any) -> float:
+        """Area [mm²] that the chosen cameras reconstruct.
 
         Parameters
         ----------
-        threshold : int
         cameras : (M,) bool, optional
             Which cameras there are; all of them by default.
         far : (M, M) bool, optional
-            Pairs of cameras of which at least one must see a point.
+            Pairs of cameras of which at least one must see a point, instead of those that a baseline leaves.
+        **asked
+            What counts: the keywords of `Demand`, or one as `demand`.
         """
-        return float(self.areas[self.met(threshold, cameras, far)].sum())
+        return float(self.areas[self.met(**asked)].sum())
 
-    def met(self, threshold: int = 2, cameras: np.ndarray | None = None, far: np.ndarray | None = None) -> np.ndarray:
-        """(S,) bool: the sets in which at least `threshold` of the chosen cameras are, arguments as for `area`."""
-        seen = self.seen if cameras is None else self.seen & np.asarray(cameras, dtype=bool)
-        return Demand(threshold, far).met(seen)
+    @shows({"cameras": None, "far": None, **demand_keywords(), "demand": None})
+    def met(self, **asked: Any) -> np.ndarray:
+        """(S,) bool: the sets of cameras that reconstruct what they see, arguments as for `area`."""
+        refuse_unknown(asked, {"cameras", "far", *demand_keywords(), "demand"})
+        criterion, chosen = checked_demand(asked).of(self._cameras), asked.get("cameras")
+        if asked.get("far") is not None:
+            criterion = replace(criterion, far=np.asarray(asked["far"], dtype=bool))
+        return criterion.met(self.seen if chosen is None else self.seen & np.asarray(chosen, dtype=bool))
 
     def to_mesh(self) -> trimesh.Trimesh:
         """The counted surface, cut where the set of cameras changes.
@@ -67,19 +85,14 @@ class ViewSets:
             With the face each triangle comes from as `face_attributes["parent"]`, and its row of `seen` as
             `face_attributes["set"]`, -1 where no camera sees it.
         """
-        mesh, piece = triangulated(self._mesh, self._whole, self._pieces.face, self._pieces.polygon)
+        mesh, piece = triangulated(self._scene.mesh, self._whole, self._pieces.face, self._pieces.polygon)
         n_whole = len(self._whole)
         mesh.face_attributes["set"] = np.concatenate([self._set[:n_whole], self._set[n_whole:][piece]])
         return mesh
 
 
-def view_sets(
-    mesh: trimesh.Trimesh,
-    cameras: Sequence[Camera],
-    exclude: np.ndarray | None = None,
-    weights: np.ndarray | None = None,
-    workers: int = 1,
-) -> ViewSets:
+@shows(scene_keywords())
+def view_sets(mesh: trimesh.Trimesh | Scene, cameras: Sequence[Camera], *, workers: int = 1, **asked: Any) -> ViewSets:
     """Divide the surface by the set of cameras that see it, exact up to float64 rounding.
 
     Takes longer than `evaluate`, since no part is finished before every camera has been asked, and is meant for up to
@@ -87,8 +100,11 @@ def view_sets(
 
     Parameters
     ----------
-    mesh, cameras, exclude, weights, workers
+    mesh : trimesh.Trimesh or Scene
+    cameras, workers
         As for `evaluate`.
+    **asked
+        What of the mesh counts and how much: the keywords of `Scene`.
 
     Raises
     ------
@@ -105,20 +121,22 @@ def view_sets(
     >>> round(sets.area(threshold=2, cameras=[True, True, False]), 9)
     100.0
     """
-    cameras = checked_cameras(cameras)
-    surface = prepare(mesh)
-    counted = ~checked_mask(exclude, len(surface.faces))
-    weights = checked_weights(weights, len(surface.faces))
+    refuse_unknown(asked, scene_keywords())
+    cameras, scene = checked_cameras(cameras), checked_scene(mesh, asked)
+    surface, counted = scene.surface, scene.counted
     # One view more than there are: no part is ever finished.
-    found = tally(surface, cameras, Demand(len(cameras) + 1, None, sets=True), counted, checked_workers(workers))
+    criterion = Criterion(len(cameras) + 1, sets=True)
+    found = tally(surface, cameras, criterion, counted, checked_workers(workers))
     whole = np.flatnonzero(counted & ~found.is_cut & (surface.areas > 0))
     face = np.concatenate([whole, found.pieces.face])
     area = surface.areas[face]
     area[len(whole) :] *= 2 * shapely.area(found.pieces.polygon)
-    area = area if weights is None else area * weights[face]
+    area = area if scene.weights is None else area * scene.weights[face]
     seen = np.concatenate([found.whole_seen[whole], found.pieces.seen])
     sets, group = np.unique(seen, axis=0, return_inverse=True)
     areas = np.bincount(group.reshape(-1), weights=area, minlength=len(sets))
     some = sets.any(axis=1)
     number = np.where(some, np.cumsum(some) - 1, -1)
-    return ViewSets(sets[some], areas[some], found.n_repairs, mesh, whole, found.pieces, number[group.reshape(-1)])
+    return ViewSets(
+        sets[some], areas[some], found.n_repairs, scene, cameras, whole, found.pieces, number[group.reshape(-1)]
+    )

@@ -85,7 +85,7 @@ def test_area_within_the_error_of_rays(number):
     triangles = corners(rng, KINDS[number % len(KINDS)])
     mesh = trimesh.Trimesh(triangles.reshape(-1, 3), np.arange(3 * len(triangles)).reshape(-1, 3), process=False)
     angles = rng.uniform(0, 2 * np.pi, 3)
-    result = exact.evaluate(mesh, RING.cameras(angles), 2)
+    result = exact.evaluate(mesh, RING.cameras(angles), threshold=2)
     assert (result.face_areas >= 0).all()
     assert (result.face_areas <= mesh.area_faces * (1 + 1e-9)).all()
     assert (np.diff(result.level_areas) <= 1e-9 * mesh.area).all()
@@ -95,6 +95,6 @@ def test_area_within_the_error_of_rays(number):
     # A kilometre away ten digits are left.
     away = np.array([1e6, -1e6, 5e5])
     far = trimesh.Trimesh(mesh.vertices + away, mesh.faces, process=False)
-    shifted = exact.evaluate(far, exact.Ring(focus=tuple(away)).cameras(angles), 2)
+    shifted = exact.evaluate(far, exact.Ring(focus=tuple(away)).cameras(angles), threshold=2)
     assert (shifted.face_areas >= 0).all()
     assert (shifted.face_areas <= far.area_faces * (1 + 1e-9)).all()

@@ -42,6 +42,6 @@ def test_two_cameras_in_each_of_two_places(places):
     """Slivers between views from the same place came back from a union as nothing, and had no point to ask."""
     mesh, ring = meshes.site("circ_angled", depth=50), exact.Ring()
     top = meshes.top_surface(mesh)
-    twice = exact.evaluate(mesh, ring.cameras(np.repeat(places, 2)), 2, top)
-    once = exact.evaluate(mesh, ring.cameras(places), 1, top)
+    twice = exact.evaluate(mesh, ring.cameras(np.repeat(places, 2)), threshold=2, exclude=top)
+    once = exact.evaluate(mesh, ring.cameras(places), threshold=1, exclude=top)
     assert twice.area == pytest.approx(once.area, rel=1e-9)

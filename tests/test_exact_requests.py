@@ -36,7 +36,7 @@ def with_nan():
     ("options", "message"),
     [
         ({"threshold": 4}, r"threshold is 4 with 3 cameras"),
-        ({"threshold": 0}, r"threshold is 0 with 3 cameras"),
+        ({"threshold": 0}, r"threshold is 0; it must be a whole number, at least 1"),
         ({"threshold": 1.5}, r"threshold is 1\.5"),
         ({"cameras": []}, r"there are no cameras"),
         ({"cameras": [RING]}, r"a camera is a Ring; exact\.Camera is needed"),

@@ -24,9 +24,10 @@ def test_one_more_camera(name, seed, threshold, with_baseline):
     rng, mesh, cameras = request(seed, name, 5)
     exclude, weights = counted(rng, mesh)
     apart = np.linalg.norm(cameras[0].position - cameras[1].position) if with_baseline else 0.0
-    others = exact.OneMore(mesh, cameras[:3], threshold, exclude, apart, weights)
+    asked = dict(threshold=threshold, exclude=exclude, min_baseline=apart, weights=weights)
+    others = exact.OneMore(mesh, cameras[:3], **asked)
     for camera in cameras[3:]:
-        alone = exact.evaluate(mesh, [*cameras[:3], camera], threshold, exclude, apart, weights=weights)
+        alone = exact.evaluate(mesh, [*cameras[:3], camera], **asked)
         assert close(others.area(camera), alone.area, mesh)
 
 
@@ -43,14 +44,15 @@ def test_one_more_camera_and_no_other():
 def test_view_sets_give_every_threshold_every_failure_and_every_pair(name, seed):
     rng, mesh, cameras = request(seed, name, 4)
     exclude, weights = counted(rng, mesh)
-    sets = exact.view_sets(mesh, cameras, exclude, weights)
+    sets = exact.view_sets(mesh, cameras, exclude=exclude, weights=weights)
     assert len(np.unique(sets.seen, axis=0)) == len(sets.seen) and sets.seen.any(axis=1).all()
-    for level, area in enumerate(exact.evaluate(mesh, cameras, 4, exclude, weights=weights).level_areas, start=1):
-        assert close(sets.area(level), area, mesh)
+    scene = exact.Scene(mesh, exclude, weights)
+    for level, area in enumerate(exact.evaluate(scene, cameras, threshold=4).level_areas, start=1):
+        assert close(sets.area(threshold=level), area, mesh)
     for kept in itertools.combinations(range(4), 3):
         some = [cameras[i] for i in kept]
-        alone = exact.evaluate(mesh, some, 2, exclude, weights=weights).area
-        assert close(sets.area(2, np.isin(np.arange(4), kept)), alone, mesh)
+        alone = exact.evaluate(scene, some, threshold=2).area
+        assert close(sets.area(threshold=2, cameras=np.isin(np.arange(4), kept)), alone, mesh)
     parts = sets.to_mesh()
     factor = weights[parts.face_attributes["parent"]]
     drawn = np.bincount(parts.face_attributes["set"] + 1, parts.area_faces * factor, len(sets.seen) + 1)
@@ -58,8 +60,9 @@ def test_view_sets_give_every_threshold_every_failure_and_every_pair(name, seed)
     assert close(parts.area, mesh.area_faces[~exclude].sum(), mesh)
     far = np.array([[np.linalg.norm(a.position - b.position) for a in cameras] for b in cameras])
     apart = np.median(far[far > 0])
-    with_baseline = exact.evaluate(mesh, cameras, 2, exclude, apart, weights=weights).area
-    assert close(sets.area(2, far=far >= apart * (1 - 1e-12)), with_baseline, mesh)
+    with_baseline = exact.evaluate(scene, cameras, min_baseline=apart).area
+    assert close(sets.area(threshold=2, far=far >= apart * (1 - 1e-12)), with_baseline, mesh)
+    assert close(sets.area(min_baseline=apart), with_baseline, mesh)
 
 
 @pytest.mark.parametrize("workers", [1, 2])
@@ -69,8 +72,8 @@ def test_areas_of_many_layouts_are_those_of_each_to_the_last_bit(workers):
     _, _, cameras = request(5, "channel", 9)
     layouts = [cameras[:3], cameras[3:5], cameras[5:]]
     steps = []
-    found = exact.areas(mesh, layouts, 2, exclude, weights=weights, workers=workers, report=steps.append)
-    assert found.tolist() == [exact.evaluate(mesh, one, 2, exclude, weights=weights).area for one in layouts]
+    found = exact.areas(mesh, layouts, exclude=exclude, weights=weights, workers=workers, report=steps.append)
+    assert found.tolist() == [exact.evaluate(mesh, one, exclude=exclude, weights=weights).area for one in layouts]
     assert steps == [1, 1, 1]
     assert exact.areas(mesh, [], workers=workers).tolist() == []
 

@@ -15,7 +15,7 @@ from trimesh.ray.ray_pyembree import RayMeshIntersector
 
 import exact
 import meshes
-from exact.surface import forget
+from exact.scene import forget
 from experiments.bench.paper_algorithm import t_view_area
 from experiments.files.whole import output_folder, written_whole
 from experiments.terminal.console import note, print_json, table, terminal
