@@ -1,5 +1,6 @@
 """On what: a mesh, which of its faces count and how much, checked once and prepared for many cameras."""
 
+import hashlib
 from dataclasses import dataclass, field
 from functools import cached_property
 from weakref import WeakKeyDictionary
@@ -75,6 +76,13 @@ class Scene:
     def mesh_hash(self) -> str:
         """Fingerprint of the mesh (`meshes.fingerprint`)."""
         return fingerprint(self.mesh)
+
+    @cached_property
+    def content_hash(self) -> str:
+        """SHA-256 of all that an area depends on beside cameras and demand, in hexadecimal."""
+        content = hashlib.sha256(self.mesh_hash.encode() + self.counted.tobytes())
+        content.update(b"" if self.weights is None else self.weights.tobytes())
+        return content.hexdigest()
 
     def worth(self, face_areas: np.ndarray) -> np.ndarray:
         """What areas of faces, (..., F) [mm²], count together, weighted if weights were given: (...,) [mm²]."""

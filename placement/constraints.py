@@ -2,13 +2,13 @@
 
 import math
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 import exact
 from exact.cameras import LARGEST_ANGLE
-from placement.errors import PlacementError
+from placement.errors import PlacementError, refusing
 
 # Added to the smallest gap [rad] so that a separation computed from rounded angles never falls short of the
 # one asked for: 30 nm on a ring of 30 mm.
@@ -159,24 +159,43 @@ def offered(greatest: float) -> float:
     return round(OFFER_STEP * math.floor(greatest / OFFER_STEP), 2)
 
 
-def checked_threshold(threshold: int, n_cameras: int, constraints: Constraints) -> int:
-    """Return `threshold` if `n_cameras` cameras can meet it.
+def demanded(demand: exact.Demand, constraints: Constraints, ring: exact.Ring, n_cameras: int | None = None):
+    """The demand with the baseline of the constraints, the stricter of both, if it can be met on the ring.
+
+    Parameters
+    ----------
+    demand : exact.Demand
+    constraints : Constraints
+    ring : exact.Ring
+    n_cameras : int, optional
+        How many cameras there will be.
+
+    Returns
+    -------
+    exact.Demand
 
     Raises
     ------
     PlacementError
-        If it is not a whole number from 1 to the number of cameras, or one camera is asked for a baseline.
+        If no two cameras of the ring are that far apart, or that many cameras can never meet it.
+
+    Examples
+    --------
+    >>> demanded(exact.Demand(), Constraints(min_baseline=8.0), exact.Ring(), n_cameras=4).words
+    'seen by at least 2 cameras, two of them at least 8 mm apart'
     """
-    if not isinstance(threshold, int | np.integer) or isinstance(threshold, bool) or threshold < 1:
-        raise PlacementError(f"threshold is {threshold!r}; it must be a whole number, at least 1")
-    if threshold > n_cameras:
+    whole = replace(demand, min_baseline=max(demand.min_baseline, constraints.baseline(ring)))
+    if whole.baseline > ring.diameter:
         raise PlacementError(
-            f"threshold is {threshold} but there are only {n_cameras} cameras, so nothing can be reconstructed; "
-            f"ask for at least {threshold} cameras or lower the threshold"
+            f"no two cameras are {whole.baseline:.4g} mm apart on a ring of {ring.diameter:g} mm; ask for a baseline of "
+            f"at most {ring.diameter:g} mm"
         )
-    if n_cameras == 1 and (constraints.min_baseline > 0 or constraints.min_angle > 0):
-        raise PlacementError("one camera has no baseline; ask for at least 2 cameras")
-    return int(threshold)
+    if n_cameras is not None:
+        with refusing():
+            whole.refuse_fewer(n_cameras)
+        if n_cameras == 1 and whole.baseline > 0:
+            raise PlacementError("one camera has no baseline; ask for at least 2 cameras")
+    return whole
 
 
 def checked_seed(seed: int) -> int:

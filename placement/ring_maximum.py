@@ -1,9 +1,12 @@
 """The most that any layout of a ring could reconstruct: exact areas of very many equidistant cameras."""
 
 import hashlib
-from concurrent.futures import Future, ThreadPoolExecutor
+from collections.abc import Callable
+from concurrent.futures import Future
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from threading import Lock, Thread
 from typing import Protocol
 
 import numpy as np
@@ -24,7 +27,10 @@ class Memory(Protocol):
 
 
 class RingMaximum:
-    """What all the ring sees of each site, whatever the baseline asked of a layout.
+    """What all the ring sees of each site, whatever the baseline that a layout must keep.
+
+    It is what very many equidistant cameras reconstruct, and no bound: a layout that looks through slits between
+    them can reconstruct a little more, a fraction above 1. For bounds see `placement.certify`.
 
     Parameters
     ----------
@@ -32,8 +38,8 @@ class RingMaximum:
         What is to be reconstructed.
     ring : exact.Ring
         The ring.
-    threshold : int
-        How many cameras must see a point.
+    demand : exact.Demand
+        What makes a point count; its baseline is left out, so that fractions under different baselines compare.
     n_cameras : int
         Number of equidistant cameras.
     workers : int
@@ -46,9 +52,10 @@ class RingMaximum:
     >>> import trimesh
     >>> from placement.sites import checked_sites
     >>> plate, memory = checked_sites(trimesh.creation.box((10, 10, 1))), {}
-    >>> bool(100.0 < RingMaximum(plate, exact.Ring(), n_cameras=8, memory=memory).areas[0] <= 140.0 + 1e-9)
+    >>> seen = exact.Demand()
+    >>> bool(100.0 < RingMaximum(plate, exact.Ring(), seen, n_cameras=8, memory=memory).areas[0] <= 140.0 + 1e-9)
     True
-    >>> RingMaximum(plate, exact.Ring(), n_cameras=8, memory=memory).areas == tuple(memory.values())
+    >>> RingMaximum(plate, exact.Ring(), seen, n_cameras=8, memory=memory).areas == tuple(memory.values())
     True
     """
 
@@ -56,30 +63,37 @@ class RingMaximum:
         self,
         sites: Sites,
         ring: exact.Ring,
-        threshold: int = 2,
+        demand: exact.Demand,
+        *,
         n_cameras: int = 360,
         workers: int = 1,
         memory: Memory | None = None,
     ):
-        self._sites, self._threshold, self._workers, self._memory = sites, threshold, workers, memory
+        self._sites, self._demand, self._workers, self._memory = sites, unbased(demand), workers, memory
         self._ring, self._n_cameras = ring, n_cameras
-        self._areas: tuple[float, ...] | None = None
-        self._begun: Future | None = None
+        self._found: Future[tuple[float, ...]] | None = None
+        self._once = Lock()
 
     def begin(self) -> None:
         """Let other processes evaluate it while this one goes on; with one worker nothing happens."""
-        if self._workers > 1 and self._areas is None and self._begun is None:
-            thread = ThreadPoolExecutor(1)
-            self._begun = thread.submit(self._evaluate)
-            thread.shutdown(wait=False)
+        if self._workers > 1:
+            self._result(ahead=True)
 
     @property
     def areas(self) -> tuple[float, ...]:
         """(S,) exact area of each site [mm²]."""
-        if self._areas is None:
-            begun, self._begun = self._begun, None
-            self._areas = self._evaluate() if begun is None else begun.result()
-        return self._areas
+        return self._result(ahead=False).result()
+
+    def _result(self, ahead: bool) -> "Future[tuple[float, ...]]":
+        """The areas, evaluated once for all that ask: in a thread of its own if asked `ahead` of need."""
+        with self._once:
+            if self._found is None:
+                self._found = Future()
+                if ahead:
+                    Thread(target=_settle, args=(self._found, self._evaluate), daemon=True).start()
+                else:
+                    _settle(self._found, self._evaluate)
+            return self._found
 
     def _evaluate(self) -> tuple[float, ...]:
         return tuple(self._area(site) for site in self._sites.members)
@@ -95,30 +109,30 @@ class RingMaximum:
 
     def _evaluated(self, site: Site) -> float:
         cameras = self._ring.cameras(self._ring.equidistant(self._n_cameras))
-        return exact.evaluate(**evaluation(site, self._threshold), cameras=cameras, workers=self._workers).area
+        return exact.evaluate(site.scene, cameras, demand=self._demand, workers=self._workers).area
 
     def _key(self, site: Site) -> str:
-        content = hashlib.sha256(repr((_evaluator(), self._ring, self._threshold, self._n_cameras)).encode())
-        content.update(site.mesh_hash.encode() + site.excluded.tobytes())
-        content.update(b"" if site.face_weights is None else site.face_weights.astype(np.float64).tobytes())
+        content = hashlib.sha256(repr((_evaluator(), self._ring, self._demand, self._n_cameras)).encode())
+        content.update(site.scene.content_hash.encode())
         return content.hexdigest()
+
+
+def unbased(demand: exact.Demand) -> exact.Demand:
+    """The same without a baseline: what the ring maximum is asked for."""
+    return replace(demand, min_baseline=0.0)
+
+
+def _settle(future: Future, evaluate: Callable[[], object]) -> None:
+    try:
+        future.set_result(evaluate())
+    except BaseException as error:  # noqa: BLE001 - it is raised where the result is wanted
+        future.set_exception(error)
 
 
 @cache
 def _evaluator() -> tuple[str, ...]:
     """What computes an area: this very code, and the libraries under it."""
     code = hashlib.sha256()
-    for file in sorted(Path(exact.__file__).parent.glob("*.py")):
+    for file in sorted(Path(exact.__file__).parent.rglob("*.py")):
         code.update(file.read_bytes())
     return code.hexdigest(), np.__version__, shapely.__version__, shapely.geos_version_string
-
-
-def evaluation(site: Site, threshold: int, min_baseline: float = 0.0) -> dict:
-    """Keyword arguments of the evaluator that do not depend on the cameras."""
-    return dict(
-        mesh=site.mesh,
-        threshold=threshold,
-        exclude=site.excluded,
-        min_baseline=min_baseline,
-        weights=site.face_weights,
-    )

@@ -2,41 +2,37 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal, get_args
+from typing import Any, Literal, TypeAlias, get_args
 
 import numpy as np
 import trimesh
 
 import exact
-from meshes import fingerprint
-from placement.errors import PlacementError
-from placement.sampling import checked_exclude
+from exact.requests import checked_scene, refuse_unknown
+from exact.requests import scene_keywords as of_scene
+from placement.errors import PlacementError, refusing
 
 Objective = Literal["mean", "worst"]
+Surfaces: TypeAlias = "trimesh.Trimesh | exact.Scene | Sequence[trimesh.Trimesh | exact.Scene]"
+# Beside the weights of sites, those of faces have a longer name.
+RENAMED = {"weights": "face_weights"}
+ORIGINAL = {longer: name for name, longer in RENAMED.items()}
 
 
 @dataclass(frozen=True, eq=False)
 class Site:
-    """One mesh and what of it counts.
+    """One surface and how much it counts.
 
     Attributes
     ----------
-    mesh : trimesh.Trimesh
-    excluded : (F,) ndarray of bool
-        Faces that do not count.
-    face_weights : (F,) ndarray or None
-        Factor by which the area of each face counts.
+    scene : exact.Scene
+        The mesh and what of it counts.
     share : float
         Its part in the mean over all sites; all shares add up to 1.
-    mesh_hash : str
-        Fingerprint of the mesh.
     """
 
-    mesh: trimesh.Trimesh
-    excluded: np.ndarray
-    face_weights: np.ndarray | None
+    scene: exact.Scene
     share: float
-    mesh_hash: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,23 +68,25 @@ class Sites:
         return f"the ring maximum {how} of {len(self.members)} sites"
 
 
+def scene_keywords() -> dict[str, Any]:
+    """What of each mesh may be said beside it, with the defaults: as for `exact.Scene`, weights as `face_weights`."""
+    return {RENAMED.get(name, name): default for name, default in of_scene().items()}
+
+
 def checked_sites(
-    mesh: trimesh.Trimesh | Sequence[trimesh.Trimesh],
-    exclude: np.ndarray | Sequence[np.ndarray | None] | None = None,
-    face_weights: np.ndarray | Sequence[np.ndarray | None] | None = None,
-    site_weights: Sequence[float] | None = None,
-    objective: Objective = "mean",
+    mesh: Surfaces, *, site_weights: Sequence[float] | None = None, objective: Objective = "mean", **asked: Any
 ) -> Sites:
     """Check a request's meshes and all that goes with each.
 
     Parameters
     ----------
-    mesh : trimesh.Trimesh or sequence of them
-    exclude, face_weights : (F,) array, or a sequence with one for each mesh, optional
-        One array serves several meshes with equally many faces, such as poses of the same site.
+    mesh : trimesh.Trimesh, exact.Scene, or sequence of them
     site_weights : (S,) sequence of float, optional
         How much each site counts in the mean; equally by default.
     objective : {"mean", "worst"}
+    **asked
+        What an `exact.Scene` holds beside the mesh, for all meshes or a sequence with one for each; its weights are
+        called `face_weights`. One array serves several meshes with equally many faces, such as poses of the same site.
 
     Raises
     ------
@@ -101,25 +99,28 @@ def checked_sites(
     >>> checked_sites([box, box], site_weights=[3, 1]).shares.tolist()
     [0.75, 0.25]
     """
-    several = [mesh] if isinstance(mesh, trimesh.Trimesh) else list(mesh)
+    several = [mesh] if isinstance(mesh, trimesh.Trimesh | exact.Scene) else list(mesh)
     if not several:
         raise PlacementError("there is no mesh; give one or several")
     for one in several:
-        if not isinstance(one, trimesh.Trimesh):
+        if not isinstance(one, trimesh.Trimesh | exact.Scene):
             raise PlacementError(f"a mesh is a {type(one).__name__}; a trimesh.Trimesh is needed: see meshes.load")
     if objective not in get_args(Objective):
         raise PlacementError(f'objective is {objective!r}; it must be "mean" or "worst"')
-    weights = np.ones(len(several)) if site_weights is None else np.asarray(site_weights, dtype=np.float64)
-    if weights.shape != (len(several),) or not np.isfinite(weights).all() or (weights < 0).any() or not weights.any():
+    shares = np.ones(len(several)) if site_weights is None else np.asarray(site_weights, dtype=np.float64)
+    if shares.shape != (len(several),) or not np.isfinite(shares).all() or (shares < 0).any() or not shares.any():
         raise PlacementError(
             f"site_weights are {site_weights!r}; they must be {len(several)} numbers, at least 0 and not all 0"
         )
-    members = [
-        Site(one, checked_exclude(one, excluded), _checked_weights(one, factors), float(share), fingerprint(one))
-        for one, excluded, factors, share in zip(
-            several, _each(exclude, several), _each(face_weights, several), weights / weights.sum(), strict=True
-        )
-    ]
+    refuse_unknown(asked, scene_keywords())
+    each = {name: _each(asked.get(name), several) for name in scene_keywords()}
+    members = []
+    for number, (one, share) in enumerate(zip(several, shares / shares.sum(), strict=True)):
+        own = {ORIGINAL.get(name, name): values[number] for name, values in each.items()}
+        with refusing():
+            scene = checked_scene(one, own)
+        _refuse_uncounted(scene)
+        members.append(Site(scene, float(share)))
     return Sites(tuple(members), objective)
 
 
@@ -152,7 +153,7 @@ def falloff(mesh: trimesh.Trimesh, ring: exact.Ring, distance: float) -> np.ndar
     return np.exp2(-np.square(away / distance))
 
 
-def _each(given, several: list[trimesh.Trimesh]) -> list:
+def _each(given, several: Sequence) -> list:
     """One entry for each mesh, from one for all or a sequence."""
     if given is None or isinstance(given, np.ndarray):
         return [given] * len(several)
@@ -162,13 +163,10 @@ def _each(given, several: list[trimesh.Trimesh]) -> list:
     return given
 
 
-def _checked_weights(mesh: trimesh.Trimesh, weights) -> np.ndarray | None:
-    if weights is None:
-        return None
-    values = np.asarray(weights, dtype=np.float64)
-    if values.shape != (len(mesh.faces),) or not np.isfinite(values).all() or (values < 0).any() or not values.any():
-        raise PlacementError(
-            f"face_weights have shape {values.shape}; they must be finite, at least 0 and not all 0, one for each of "
-            f"the {len(mesh.faces)} faces"
-        )
-    return values
+def _refuse_uncounted(scene: exact.Scene) -> None:
+    """Refuse a surface of which nothing counts: there is nothing to search for."""
+    n_faces = len(scene.counted)
+    if not scene.counted.any():
+        raise PlacementError(f"all {n_faces} faces are excluded; nothing is left to reconstruct")
+    if scene.weights is not None and not scene.weights.any():
+        raise PlacementError(f"the weights of all {n_faces} faces are 0; give some of them more")
