@@ -9,7 +9,7 @@ import trimesh
 
 from exact.cameras import Camera
 from exact.clipping import unite, whole_faces
-from exact.coverage import Demand, Tally, processes, tally
+from exact.coverage import Demand, Tally, tally
 from exact.errors import ExactError
 from exact.projection import image_polygons
 from exact.requests import (
@@ -22,6 +22,7 @@ from exact.requests import (
 )
 from exact.results import Reconstruction, View
 from exact.surface import Surface, prepare
+from exact.workers import processes
 
 
 def view(mesh: trimesh.Trimesh, camera: Camera) -> View:

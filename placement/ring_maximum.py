@@ -1,7 +1,7 @@
 """The most that any layout of a ring could reconstruct: exact areas of very many equidistant cameras."""
 
 import hashlib
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import Future
 from functools import cache
 from pathlib import Path
 from typing import Protocol
@@ -10,6 +10,7 @@ import numpy as np
 import shapely
 
 import exact
+from exact.workers import background
 from placement.sites import Site, Sites
 
 
@@ -69,9 +70,7 @@ class RingMaximum:
     def begin(self) -> None:
         """Let other processes evaluate it while this one goes on; with one worker nothing happens."""
         if self._workers > 1 and self._areas is None and self._begun is None:
-            thread = ThreadPoolExecutor(1)
-            self._begun = thread.submit(self._evaluate)
-            thread.shutdown(wait=False)
+            self._begun = background(self._evaluate)
 
     @property
     def areas(self) -> tuple[float, ...]:
