@@ -7,37 +7,24 @@ and the next camera meets only what is left.
 
 import gc
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import BrokenExecutor, Executor, as_completed
+from concurrent.futures import as_completed
 from contextlib import contextmanager
 from dataclasses import dataclass
-from importlib import import_module
-from threading import Lock
 
 import numpy as np
 import shapely
-from loky import ProcessPoolExecutor
 
 from exact.cameras import Camera
 from exact.clipping import cut_pieces, unite, whole_faces
 from exact.demand import Criterion
-from exact.errors import ExactError
 from exact.occlusion import CUT, WHOLE, Sight, look
-from exact.projection import NEAR, project
+from exact.projection import project
 from exact.surface import Surface
+from exact.workers import processes, shares
 
 # Cameras per block. Within a block no face is cut before all its cameras have been looked through, since most faces
 # are seen whole often enough and never need to be.
 BLOCK = 8
-# Each worker has a core to itself; BLAS threads of several would only wait for each other.
-ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
-# Sectors of the image that each worker gets.
-SECTORS = 4
-# Workers that idle this long go away [s]. Long, since loky warns when one goes just as new work comes: harmless, as it
-# starts another, but a program that turns warnings into errors would be stopped by it.
-IDLE_SECONDS = 600
-# Executors by their number of processes, shared by all threads (loky's own reusable one is for one thread).
-_EXECUTORS: dict[int, ProcessPoolExecutor] = {}
-_EXECUTORS_LOCK = Lock()
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,9 +137,9 @@ def tally(
     _ = surface.solid  # found once, not by every worker
     if workers == 1 or active.sum() < workers:
         return _tally(surface, cameras, criterion, active, depth_order, report)
-    shares = _shares(surface, cameras[0], active, workers)
+    parts = shares(surface, cameras[0], active, workers)
     with processes(workers) as executor:
-        futures = [executor.submit(_tally, surface, cameras, criterion, share, depth_order) for share in shares]
+        futures = [executor.submit(_tally, surface, cameras, criterion, part, depth_order) for part in parts]
         for done, _ in enumerate(as_completed(futures)):
             if report is not None:
                 report(len(cameras) * (done + 1) // workers - len(cameras) * done // workers)
@@ -163,61 +150,6 @@ def tally(
         Pieces.joined([part.pieces for part in found]),
         sum(part.n_repairs for part in found),
     )
-
-
-@contextmanager
-def processes(workers: int) -> Iterator[Executor]:
-    """Executor with at least that many processes, kept for the next call; a new one after one of them has died.
-
-    Threads would wait for each other: most of the time goes into making and reading shapely's objects.
-
-    Raises
-    ------
-    ExactError
-        If a process dies while it is at work.
-    """
-    with _EXECUTORS_LOCK:
-        size = min((size for size in _EXECUTORS if size >= workers), default=workers)
-        try:
-            _EXECUTORS[size].submit(int)  # refused if one of its processes has died meanwhile
-        except (KeyError, BrokenExecutor):
-            _EXECUTORS[size] = ProcessPoolExecutor(size, timeout=IDLE_SECONDS, env=ONE_THREAD)
-        executor = _EXECUTORS[size]
-    try:
-        yield executor
-    except BrokenExecutor as error:
-        raise ExactError(
-            f"one of {workers} processes that shared the work was stopped from outside, most likely since memory ran "
-            "out; ask for fewer workers, a coarser mesh or fewer cameras, or free some memory, and try again"
-        ) from error
-
-
-def start_processes(workers: int) -> None:
-    """Have `processes` ready soon, with this package imported, while this one does something else."""
-    if workers > 1:
-        with processes(workers) as executor:
-            for _ in range(workers):
-                executor.submit(import_module, "exact")
-
-
-def _shares(surface: Surface, camera: Camera, active: np.ndarray, n: int) -> list[np.ndarray]:
-    """The `active` faces in `n` parts of about equal work: sectors of one camera's image, dealt out in turn.
-
-    What is hard to see lies together, so that a part in one piece would often have most of the work; but the narrower
-    the sectors, the more of what is in front of them is needed by several workers.
-    """
-    index = np.flatnonzero(active)
-    local = (surface.vertices[surface.faces[index]].mean(axis=1) - camera.position) @ camera.rotation.T
-    image = local[:, :2] / np.maximum(np.abs(local[:, 2:]), NEAR * camera.target_distance)
-    away = image - np.median(image, axis=0)
-    index = index[np.argsort(np.arctan2(away[:, 1], away[:, 0]), kind="stable")]
-    sectors = np.array_split(index, SECTORS * n)
-    shares = []
-    for first in range(n):
-        share = np.zeros_like(active)
-        share[np.concatenate(sectors[first::n])] = True
-        shares.append(share)
-    return shares
 
 
 def _tally(

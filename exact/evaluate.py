@@ -10,7 +10,7 @@ import trimesh
 
 from exact.cameras import Camera
 from exact.clipping import unite, whole_faces
-from exact.coverage import Tally, processes, tally
+from exact.coverage import Tally, tally
 from exact.demand import Criterion
 from exact.errors import ExactError
 from exact.projection import image_polygons
@@ -25,6 +25,7 @@ from exact.requests import (
 )
 from exact.results import Reconstruction, View
 from exact.scene import Scene
+from exact.workers import processes
 
 ASKED = {**scene_keywords(), **demand_keywords(), "demand": None}
 

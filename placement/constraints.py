@@ -187,8 +187,8 @@ def demanded(demand: exact.Demand, constraints: Constraints, ring: exact.Ring, n
     whole = replace(demand, min_baseline=max(demand.min_baseline, constraints.baseline(ring)))
     if whole.baseline > ring.diameter:
         raise PlacementError(
-            f"no two cameras are {whole.baseline:.4g} mm apart on a ring of {ring.diameter:g} mm; ask for a baseline of "
-            f"at most {ring.diameter:g} mm"
+            f"no two cameras are {whole.baseline:.4g} mm apart on a ring of {ring.diameter:g} mm; ask for a baseline "
+            f"of at most {ring.diameter:g} mm"
         )
     if n_cameras is not None:
         with refusing():

@@ -1,18 +1,18 @@
 """The most that any layout of a ring could reconstruct: exact areas of very many equidistant cameras."""
 
 import hashlib
-from collections.abc import Callable
 from concurrent.futures import Future
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
-from threading import Lock, Thread
+from threading import Lock
 from typing import Protocol
 
 import numpy as np
 import shapely
 
 import exact
+from exact.workers import background
 from placement.sites import Site, Sites
 
 
@@ -77,22 +77,22 @@ class RingMaximum:
     def begin(self) -> None:
         """Let other processes evaluate it while this one goes on; with one worker nothing happens."""
         if self._workers > 1:
-            self._result(ahead=True)
+            self._result()
 
     @property
     def areas(self) -> tuple[float, ...]:
         """(S,) exact area of each site [mm²]."""
-        return self._result(ahead=False).result()
+        return self._result().result()
 
-    def _result(self, ahead: bool) -> "Future[tuple[float, ...]]":
-        """The areas, evaluated once for all that ask: in a thread of its own if asked `ahead` of need."""
+    def _result(self) -> "Future[tuple[float, ...]]":
+        """The areas, evaluated once for all that want them; where processes do the work, in a thread of its own."""
         with self._once:
-            if self._found is None:
-                self._found = Future()
-                if ahead:
-                    Thread(target=_settle, args=(self._found, self._evaluate), daemon=True).start()
-                else:
-                    _settle(self._found, self._evaluate)
+            if self._found is None and self._workers > 1:
+                self._found = background(self._evaluate)
+            elif self._found is None:
+                found: Future[tuple[float, ...]] = Future()
+                found.set_result(self._evaluate())
+                self._found = found
             return self._found
 
     def _evaluate(self) -> tuple[float, ...]:
@@ -120,13 +120,6 @@ class RingMaximum:
 def unbased(demand: exact.Demand) -> exact.Demand:
     """The same without a baseline: what the ring maximum is asked for."""
     return replace(demand, min_baseline=0.0)
-
-
-def _settle(future: Future, evaluate: Callable[[], object]) -> None:
-    try:
-        future.set_result(evaluate())
-    except BaseException as error:  # noqa: BLE001 - it is raised where the result is wanted
-        future.set_exception(error)
 
 
 @cache

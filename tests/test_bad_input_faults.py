@@ -19,7 +19,7 @@ from scenes import AWKWARD
 
 import exact
 import meshes
-from exact.coverage import processes
+from exact.workers import processes
 
 # Linux: the capability sets of one thread, and the two with which root may read and write what modes forbid.
 CAPABILITIES_VERSION_3, DAC_OVERRIDE, DAC_READ_SEARCH = 0x20080522, 1, 2

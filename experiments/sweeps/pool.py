@@ -1,15 +1,11 @@
 """Where the tasks of a sweep are done: processes on this machine, or the workers of a Dask cluster."""
 
 import os
-import threading
-import time
 import warnings
 from concurrent.futures import Executor, Future
 from typing import Protocol
 
-from loky import ProcessPoolExecutor
-
-from exact.coverage import IDLE_SECONDS, ONE_THREAD
+from exact.workers import Workers
 from experiments.files.errors import InputError
 
 # How long a Dask scheduler and its first worker may take to answer [s].
@@ -51,12 +47,10 @@ class LocalPool:
         self.description = f"{self.places} local process{'es' if self.places > 1 else ''}"
         self._executor = self._new()
 
-    def _new(self) -> ProcessPoolExecutor:
+    def _new(self) -> Workers:
         # What a process remembers from task to task, loky takes for a leak; it starts a new one, which does no harm.
         warnings.filterwarnings("ignore", "A worker was restarted while some jobs", UserWarning)
-        return ProcessPoolExecutor(
-            self.places, timeout=IDLE_SECONDS, env=ONE_THREAD, initializer=_leave_with, initargs=(os.getpid(),)
-        )
+        return Workers(self.places)
 
     def submit(self, function, *arguments) -> Future:
         """As of an Executor."""
@@ -115,14 +109,3 @@ class ClusterPool:
         """Leave the cluster; what it is still doing is called off."""
         self._executor.shutdown(wait=not at_once)
         self._client.close()
-
-
-def _leave_with(parent: int) -> None:
-    """End this process soon after its parent has ended, however it ended."""
-
-    def watch() -> None:
-        while os.getppid() == parent:
-            time.sleep(0.5)
-        os._exit(1)
-
-    threading.Thread(target=watch, daemon=True).start()
