@@ -62,8 +62,22 @@ class Demand:
     @property
     def words(self) -> str:
         """What it takes, as the end of "the area ..."."""
-        views = "seen by at least " + ("1 camera" if self.threshold == 1 else f"{self.threshold} cameras")
-        return views if self.baseline == 0 else f"{views}, two of them at least {self.baseline:g} mm apart"
+        return f"seen by at least {self.threshold} camera{'' if self.threshold == 1 else 's'}{self._apart_words}"
+
+    def clause(self, of: str = "") -> str:
+        """What it takes, as the end of "a point counts when ..."; `of` may say of how many cameras: " of the 4".
+
+        Examples
+        --------
+        >>> Demand().clause(), Demand(1).clause()
+        ('at least 2 cameras see it', 'at least 1 camera sees it')
+        """
+        see = "camera sees" if self.threshold == 1 else "cameras see"
+        return f"at least {self.threshold}{of} {see} it{self._apart_words}"
+
+    @property
+    def _apart_words(self) -> str:
+        return "" if self.baseline == 0 else f", two of them at least {self.baseline:.4g} mm apart"
 
     def apart(self, distances: np.ndarray) -> np.ndarray:
         """Which distances between two cameras [mm] are far enough, as an array of bool of the same shape."""

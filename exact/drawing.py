@@ -54,7 +54,7 @@ def regions_from(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """As `seen_from`, with (N,) bool before the last: whether each region meets `demand`, of no higher threshold."""
     criterion = demand.of(reconstruction._cameras)
-    scene, tally = reconstruction._scene, reconstruction._tally
+    scene, tally = reconstruction.scene, reconstruction._tally
     whole, cut_face, cut_piece = view(scene, camera)._parts
     shown_face, shown = np.concatenate([whole, cut_face]), np.concatenate([whole_faces(len(whole)), cut_piece])
     is_whole = np.arange(len(shown_face)) < len(whole)

@@ -15,19 +15,16 @@ from exact.demand import Criterion
 from exact.errors import ExactError
 from exact.projection import image_polygons
 from exact.requests import (
+    ASKED,
     checked,
     checked_cameras,
     checked_scene,
     checked_workers,
-    demand_keywords,
-    scene_keywords,
     shows,
 )
 from exact.results import Reconstruction, View
 from exact.scene import Scene
 from exact.workers import processes
-
-ASKED = {**scene_keywords(), **demand_keywords(), "demand": None}
 
 
 def view(mesh: trimesh.Trimesh | Scene, camera: Camera) -> View:
@@ -137,9 +134,9 @@ def evaluate(
     whole_met, piece_met = _met(scene, seen, criterion)
     levels = [_met(scene, seen, Criterion(level)) for level in range(1, demand.threshold + 1)]
     return Reconstruction(
-        demand, _face_areas(scene, seen, whole_met, piece_met),
-        np.stack([_face_areas(scene, seen, *level) for level in levels]), seen.n_repairs, scene, cameras, seen,
-        whole_met, piece_met,
+        scene, demand, _face_areas(scene, seen, whole_met, piece_met),
+        np.stack([_face_areas(scene, seen, *level) for level in levels]), seen.n_repairs, cameras, seen, whole_met,
+        piece_met,
     )  # fmt: skip
 
 

@@ -11,10 +11,11 @@ import trimesh
 from exact.cameras import Camera
 from exact.coverage import BLOCK, Count, Pieces, add_views, spread_order
 from exact.demand import Criterion
-from exact.requests import checked, checked_cameras
+from exact.requests import ASKED, checked, checked_cameras, shows
 from exact.scene import Scene
 
 
+@shows(ASKED)
 class OneMore:
     """The reconstructable area of given cameras and one more, for as many choices of that one as are tried.
 

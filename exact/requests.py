@@ -118,3 +118,7 @@ def _defaults(kind: type, without: str = "") -> dict[str, Any]:
         for field in fields(kind)
         if field.init and field.name != without
     }
+
+
+# What `evaluate` and all that hand a whole request on take beside cameras and ring.
+ASKED = {**scene_keywords(), **demand_keywords(), "demand": None}

@@ -65,6 +65,8 @@ class Reconstruction:
 
     Attributes
     ----------
+    scene : Scene
+        The surface and what of it counts.
     demand : Demand
         What makes a point count.
     face_areas : (F,) float
@@ -75,11 +77,11 @@ class Reconstruction:
         How often rounding made a step fail its own check so that it was done again in a robust way.
     """
 
+    scene: Scene = field(repr=False)
     demand: Demand
     face_areas: np.ndarray
     level_face_areas: np.ndarray
     repairs: int
-    _scene: Scene = field(repr=False)
     _cameras: tuple[Camera, ...] = field(repr=False)
     _tally: Tally = field(repr=False)
     _whole_met: np.ndarray = field(repr=False)
@@ -98,22 +100,22 @@ class Reconstruction:
     @property
     def weights(self) -> np.ndarray | None:
         """(F,) factor by which each face's area counts in `area` and `level_areas`; None counts each fully."""
-        return self._scene.weights
+        return self.scene.weights
 
     @property
     def area(self) -> float:
         """Reconstructable area [mm²], weighted if weights were given; 0.0 if there is none."""
-        return float(self._scene.worth(self.face_areas))
+        return float(self.scene.worth(self.face_areas))
 
     @property
     def level_areas(self) -> np.ndarray:
         """(threshold,) area seen by at least 1, 2, .. `threshold` cameras [mm²], weighted like `area`."""
-        return self._scene.worth(self.level_face_areas)
+        return self.scene.worth(self.level_face_areas)
 
     @property
     def words(self) -> str:
         """What `area` is the area of: "seen by at least 2 cameras", with baseline and weights where there are any."""
-        return self.demand.words + (", faces weighted" if self._scene.is_weighted else "")
+        return self.demand.words + (", faces weighted" if self.scene.is_weighted else "")
 
     def plot(self, ax: "Axes | None" = None) -> "Axes":
         """Draw it from the cameras' side, coloured by the number of views; into `ax`, or axes of its own."""
@@ -140,7 +142,7 @@ class Reconstruction:
         trimesh.Trimesh
             Open, oriented like the input; without faces if there is nothing to show.
         """
-        scene, tally = self._scene, self._tally
+        scene, tally = self.scene, self._tally
         if level is None:
             whole, pieces = self._whole_met, self._piece_met
         else:

@@ -106,7 +106,7 @@ def add_surface(
     polygons, n_views, met, face = regions_from(reconstruction, camera, demand)
     key = np.where((n_views >= demand.threshold) & ~met, TOO_NEAR, n_views)
     base = np.stack([palette[int(one)] for one in key]) if len(key) else np.zeros((0, 3))
-    add_polygons(ax, polygons, shaded(base, reconstruction._scene.mesh.face_normals[face], camera))
+    add_polygons(ax, polygons, shaded(base, reconstruction.scene.mesh.face_normals[face], camera))
     half = camera.fov[0] / 2
     ax.set(xlim=(-half, half), ylim=(-half, half), xticks=[], yticks=[], aspect="equal")
     return set(key.tolist())
@@ -153,7 +153,7 @@ def plot(reconstruction: "Reconstruction", ax: "Axes | None" = None) -> "Axes":
 
 def _own_view(reconstruction: "Reconstruction") -> Camera:
     """From the middle of the cameras' side on what any of them sees, or on everything that counts."""
-    cameras, mesh = reconstruction._cameras, reconstruction._scene.mesh
+    cameras, mesh = reconstruction._cameras, reconstruction.scene.mesh
     position = np.mean([camera.position for camera in cameras], axis=0)
     ahead = [camera.position + camera.target_distance * camera.rotation[2] for camera in cameras]
     focus = np.mean(ahead, axis=0)

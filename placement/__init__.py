@@ -9,9 +9,9 @@ from placement.constraints import Constraints
 from placement.equidistant import best_equidistant_phase
 from placement.errors import PlacementError
 from placement.jitter import jitter
-from placement.optimise import certify, optimise, place
+from placement.optimise import certify, optimise, place, recommend_count
 from placement.problem import Problem
-from placement.recommend import CountResult, Recommendation, recommend, recommend_count
+from placement.recommend import CountResult, Recommendation, recommend
 from placement.results import Candidate, Placement, SearchRecord, SiteResult
 from placement.robustness import Consensus, Pair, Robustness, consensus, robustness
 from placement.settings import Settings

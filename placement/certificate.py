@@ -14,6 +14,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+import exact
 from placement.arcs import TURN, LayoutSpace
 from placement.constraints import GAP_MARGIN
 from placement.exchange import SampledCoverage
@@ -121,7 +122,7 @@ class Certificate:
 def certify_samples(
     profiles: RingProfiles,
     space: LayoutSpace,
-    threshold: int,
+    demand: exact.Demand,
     settings: Settings,
     of: str = "the ring maximum",
     layouts: Sequence[np.ndarray] = (),
@@ -134,14 +135,14 @@ def certify_samples(
     end = begun + settings.certificate_seconds
     n_grid = max(4, round(TURN / settings.certificate_step))
 
-    program = grid_of(profiles, space, threshold, n_grid)
+    program = grid_of(profiles, space, demand, n_grid)
     # Half of the time for the grid; the bound for any angle needs the rest.
-    known = _on_grid(profiles, space, threshold, n_grid, layouts)
+    known = _on_grid(profiles, space, demand, n_grid, layouts)
     grid = solve(program, settings.certificate_seconds / 2, PROOF_TOLERANCE, known)
     bound, n_cells = float(profiles.sums(np.asarray(profiles.visible.any(axis=0))).min()), n_grid
     found = None
     for halving in range(MOST_HALVINGS + 1):
-        cells = cells_of(profiles, space, threshold, n_grid * 2**halving)
+        cells = cells_of(profiles, space, demand, n_grid * 2**halving)
         easy = found is None or (found.finished and found.method != "enumeration")
         if not easy and multiplications(cells) > QUICK_MULTIPLICATIONS:
             break
@@ -166,31 +167,34 @@ def certify_samples(
         method=grid.method,
         n_samples=len(profiles.weights),
         n_profiles=len(program.merged().weights),
-        sampling_error=_sampling_error(profiles, angles, threshold),
-        ignores_baseline=space.constraints.baseline(space.ring) > 0,
+        sampling_error=_sampling_error(profiles, angles, demand, space.ring),
+        ignores_baseline=demand.baseline > 0,
         of=of,
     )
 
 
-def measure(certificate: Certificate, profiles: RingProfiles, layout, threshold: int) -> Certificate:
+def measure(
+    certificate: Certificate, profiles: RingProfiles, layout, demand: exact.Demand, ring: exact.Ring
+) -> Certificate:
     """Return the certificate with the gaps of `layout`, (M,) ring angles [rad], to its bounds."""
-    fraction = float(profiles.sums(profiles.at(layout).sum(axis=0) >= threshold).min())
+    fraction = SampledCoverage(profiles, demand, ring).fraction(layout)
     return replace(
         certificate,
         layout_fraction=fraction,
         gap=certificate.bound_fraction - fraction,
         grid_gap=certificate.grid_bound_fraction - fraction,
-        sampling_error=_sampling_error(profiles, layout, threshold),
+        sampling_error=_sampling_error(profiles, layout, demand, ring),
     )
 
 
 def _on_grid(
-    profiles: RingProfiles, space: LayoutSpace, threshold: int, n_grid: int, layouts: Sequence[np.ndarray]
+    profiles: RingProfiles, space: LayoutSpace, demand: exact.Demand, n_grid: int, layouts: Sequence[np.ndarray]
 ) -> tuple[int, ...] | None:
     """Places of the free cameras of a good layout on the grid; None if none is found that is allowed."""
     if space.n_free == 0:
         return None
-    coverage, step, rng = SampledCoverage(profiles, threshold, n_grid=n_grid), TURN / n_grid, np.random.default_rng(0)
+    coverage, step = SampledCoverage(profiles, demand, space.ring, n_grid), TURN / n_grid
+    rng = np.random.default_rng(0)
     best, places = -1.0, None
     for layout in (*layouts, *(space.random(rng) for _ in range(GRID_STARTS))):
         free = space.free_cameras(layout)
@@ -205,7 +209,7 @@ def _on_grid(
     return places
 
 
-def grid_of(profiles: RingProfiles, space: LayoutSpace, threshold: int, n_grid: int) -> GridProgram:
+def grid_of(profiles: RingProfiles, space: LayoutSpace, demand: exact.Demand, n_grid: int) -> GridProgram:
     """Layouts with the free cameras at multiples of 2 pi / n_grid, as a program."""
     step = TURN / n_grid
     grid = step * np.arange(n_grid)
@@ -214,12 +218,12 @@ def grid_of(profiles: RingProfiles, space: LayoutSpace, threshold: int, n_grid: 
     base = profiles.at(fixed).sum(axis=0) if len(fixed) else np.zeros(len(profiles.weights), dtype=int)
     allowed = space.allowed(grid, fixed, slack=2 * GAP_MARGIN)
     return GridProgram(
-        profiles.at(grid), profiles.weights, base, space.n_free, threshold, window, allowed, profiles.site,
+        profiles.at(grid), profiles.weights, base, space.n_free, demand.threshold, window, allowed, profiles.site,
         profiles.n_sites,
     )  # fmt: skip
 
 
-def cells_of(profiles: RingProfiles, space: LayoutSpace, threshold: int, n_cells: int) -> GridProgram:
+def cells_of(profiles: RingProfiles, space: LayoutSpace, demand: exact.Demand, n_cells: int) -> GridProgram:
     """Choose the cells [2 pi k / n, 2 pi (k + 1) / n] that the free cameras lie in: no layout is left out."""
     step = TURN / n_cells
     # Between profile angles the signed distance is linear: on a cell it is greatest at an end or at one of them.
@@ -232,8 +236,8 @@ def cells_of(profiles: RingProfiles, space: LayoutSpace, threshold: int, n_cells
     fixed = np.array(space.constraints.fixed)
     base = profiles.at(fixed).sum(axis=0) if len(fixed) else np.zeros(len(profiles.weights), dtype=int)
     return GridProgram(
-        seen, profiles.weights, base, space.n_free, threshold, window, _open_cells(space, n_cells), profiles.site,
-        profiles.n_sites,
+        seen, profiles.weights, base, space.n_free, demand.threshold, window, _open_cells(space, n_cells),
+        profiles.site, profiles.n_sites,
     )  # fmt: skip
 
 
@@ -257,13 +261,13 @@ def _angles(grid: GridSolution, space: LayoutSpace, n_grid: int) -> tuple[float,
     return (*(TURN * np.array(grid.places, dtype=float) / n_grid).tolist(), *space.constraints.fixed)
 
 
-def _sampling_error(profiles: RingProfiles, layout, threshold: int) -> float:
+def _sampling_error(profiles: RingProfiles, layout, demand: exact.Demand, ring: exact.Ring) -> float:
     """Standard error of a layout's fraction, from the scatter among interleaved parts of the samples."""
     if layout is None:
         return float("nan")
-    covered = profiles.at(layout).sum(axis=0) >= threshold
+    covered = SampledCoverage(profiles, demand, ring).covered(layout)
     binding = profiles.site == int(profiles.sums(covered).argmin())
-    inside = binding & (profiles.visible.sum(axis=0) >= threshold)
+    inside = binding & (profiles.visible.sum(axis=0) >= demand.threshold)
     n_in, got = profiles.parts @ inside, profiles.parts @ (inside & covered)
     fractions = got / np.where(n_in > 0, n_in, 1.0)
     return float(fractions.std(ddof=1) / np.sqrt(len(fractions)))

@@ -69,7 +69,9 @@ def descend(
     arcs = jax.tree.map(jnp.asarray, arcs)
     start = jnp.asarray(parameters)
     gap = jnp.asarray(minimum_gap)
-    ends = _descend(start, arcs, gap, surrogate.points, jnp.asarray(temperatures), surrogate.threshold, int(max_steps))
+    ends = _descend(
+        start, arcs, gap, surrogate.points, jnp.asarray(temperatures), surrogate.demand.threshold, int(max_steps)
+    )
     first, last, steps, failed = (np.asarray(value) for value in ends)
     moved = np.abs(np.angle(np.exp(1j * (last - first)))).max(axis=1)
     return DescentEnd(last, steps, failed, (moved < FLAT_TOLERANCE) & ~failed)

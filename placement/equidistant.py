@@ -1,13 +1,17 @@
 """Equidistant rings to compare with: at every phase on the samples, the leading few exactly."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from placement.arcs import LayoutSpace
 from placement.constraints import Constraints
-from placement.problem import Problem
+
+if TYPE_CHECKING:
+    from placement.problem import Problem
 
 
-def compared_phases(problem: Problem, space: LayoutSpace) -> tuple[float, ...]:
+def compared_phases(problem: "Problem", space: LayoutSpace) -> tuple[float, ...]:
     """Phase 0 and those that reconstruct most of the samples [rad], ascending; constraints do not matter here."""
     settings, (coverage, _) = problem.settings, problem.coverage(space.constraints)
     phases = 2 * np.pi / space.n_cameras * np.arange(settings.n_phases) / settings.n_phases
@@ -16,7 +20,7 @@ def compared_phases(problem: Problem, space: LayoutSpace) -> tuple[float, ...]:
     return tuple(phases[sorted({0, *leading.tolist()})].tolist())
 
 
-def best_equidistant_phase(problem: Problem, n_cameras: int, constraints: Constraints | None = None) -> float:
+def best_equidistant_phase(problem: "Problem", n_cameras: int, constraints: Constraints | None = None) -> float:
     """Phase of the equidistant ring that reconstructs most, exactly.
 
     Parameters
@@ -36,7 +40,7 @@ def best_equidistant_phase(problem: Problem, n_cameras: int, constraints: Constr
     Examples
     --------
     >>> import exact, trimesh
-    >>> from placement.settings import Settings
+    >>> from placement import Problem, Settings
     >>> quick = Settings(n_samples=200, n_angles=36, n_phases=4, ring_cameras=8)
     >>> problem = Problem(trimesh.creation.box((60, 10, 1)), exact.Ring(), settings=quick)
     >>> round(float(np.degrees(best_equidistant_phase(problem, 2))))  # fields of view are wide along the plate

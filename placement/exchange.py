@@ -5,9 +5,12 @@ no gradient and no temperature, and it can jump over a fixed camera or a forbidd
 """
 
 import itertools
+from functools import cached_property
 
 import numpy as np
 
+import exact
+from exact.demand import Criterion
 from placement.arcs import LayoutSpace
 from placement.profiles import RingProfiles
 
@@ -27,10 +30,10 @@ class SampledCoverage:
     ----------
     profiles : RingProfiles
         Points that can be covered or not; others only cost time.
-    threshold : int
-        How many cameras must see a point.
-    diameter, min_baseline : float
-        Of the ring, and least chord between two of the cameras that see a point [mm].
+    demand : exact.Demand
+        What makes a point count.
+    ring : exact.Ring
+        Where cameras may be.
     n_grid : int
         Angles a camera may be moved to, evenly around the ring.
 
@@ -38,38 +41,40 @@ class SampledCoverage:
     --------
     >>> right, left = np.cos([0.0, 1.0, 2.0, 3.0, 4.0, 5.0]), -np.cos([0.0, 1.0, 2.0, 3.0, 4.0, 5.0])
     >>> profiles = RingProfiles.of(np.stack([right, left], axis=1), np.array([2.0, 1.0]))
-    >>> SampledCoverage(profiles, threshold=2).fraction([0.1, -0.1])
+    >>> SampledCoverage(profiles, exact.Demand(), exact.Ring()).fraction([0.1, -0.1])
     2.0
     """
 
     def __init__(
         self,
         profiles: RingProfiles,
-        threshold: int,
-        diameter: float = 1.0,
-        min_baseline: float = 0.0,
+        demand: exact.Demand,
+        ring: exact.Ring,
         n_grid: int = 720,
     ):
         self.profiles = profiles
-        self.threshold = threshold
-        self.diameter = diameter
-        self.min_baseline = min_baseline
+        self.demand = demand
+        self.ring = ring
         self.grid = 2 * np.pi * np.arange(n_grid) / n_grid
         stride = max(1, round(n_grid / PAIR_GRID))
         self.pair_grid = self.grid[::stride]
-        # (N, n_grid), points first: only the few that still wait for a view are taken. Single, for matrix products.
-        self._seen = np.ascontiguousarray(profiles.at(self.grid).T, dtype=np.float32)
-        self._seen_pairs = np.ascontiguousarray(self._seen[:, ::stride])
+        self._stride = stride
         self._weights = profiles.weights.astype(np.float32)
+
+    @cached_property
+    def _seen(self) -> np.ndarray:
+        """(N, n_grid), points first: only the few that still wait for a view are taken. Single, for matrix products."""
+        return np.ascontiguousarray(self.profiles.at(self.grid).T, dtype=np.float32)
+
+    @cached_property
+    def _seen_pairs(self) -> np.ndarray:
+        return np.ascontiguousarray(self._seen[:, :: self._stride])
 
     def covered(self, angles) -> np.ndarray:
         """(N,) bool: which samples the layout of (M,) ring angles [rad] reconstructs."""
         theta = np.asarray(angles, dtype=np.float64)
         seen = self.profiles.at(theta)
-        enough = seen.sum(axis=0) >= self.threshold
-        if self.min_baseline > 0:
-            enough &= self._paired(theta, seen)
-        return enough
+        return self._criterion(theta).met(seen.T)
 
     def fraction(self, angles) -> float:
         """Weight of the samples that the layout of (M,) ring angles [rad] reconstructs; the least of several sums."""
@@ -84,15 +89,16 @@ class SampledCoverage:
         theta = np.asarray(angles, dtype=np.float64)
         seen = self.profiles.at(theta)
         count = seen.sum(axis=0)
-        if self.min_baseline <= 0:
-            already = self.profiles.sums(count >= self.threshold)
-            return _worth(self._sums(np.flatnonzero(count == self.threshold - 1)) + already[:, None])
-        paired = self._paired(theta, seen)
-        done = (count >= self.threshold) & paired
-        waiting = np.flatnonzero((count >= self.threshold - 1) & ~done)
+        threshold = self.demand.threshold
+        if self.demand.baseline == 0:
+            already = self.profiles.sums(count >= threshold)
+            return _worth(self._sums(np.flatnonzero(count == threshold - 1)) + already[:, None])
+        paired = Criterion(2, self._far(theta, theta)).met(seen.T)
+        done = (count >= threshold) & paired
+        waiting = np.flatnonzero((count >= threshold - 1) & ~done)
         partner = seen[:, waiting].T.astype(np.float32) @ self._far(theta, self.grid).astype(np.float32) > 0
         now_seen = self._seen[waiting] > 0
-        enough = (count[waiting] >= self.threshold)[:, None] | now_seen
+        enough = (count[waiting] >= threshold)[:, None] | now_seen
         linked = paired[waiting][:, None] | (partner & now_seen)
         won = (enough & linked).astype(np.float32)
         weights = self._weights[waiting] * (self.profiles.site[waiting] == np.arange(self.profiles.n_sites)[:, None])
@@ -101,7 +107,7 @@ class SampledCoverage:
     def worth_with_two_more(self, angles) -> np.ndarray:
         """(G, G) `worth` of (M - 2,) ring angles [rad] and two more on `pair_grid`; any baseline is left out."""
         count = self.profiles.at(np.asarray(angles, dtype=np.float64)).sum(axis=0)
-        short = self.threshold - count
+        short = self.demand.threshold - count
         sums = []
         for site, already in enumerate(self.profiles.sums(short <= 0)):
             # A point one view short is won by either camera, one two views short only by both.
@@ -162,7 +168,7 @@ class SampledCoverage:
         Parameters and result as for `improve`. With a baseline only single cameras are moved.
         """
         theta = self.improve(space, angles)
-        if self.min_baseline > 0:
+        if self.demand.baseline > 0:
             return theta
         half_gap = np.sin(space.minimum_gap / 2)
         apart = np.abs(np.sin((self.pair_grid[:, None] - self.pair_grid[None, :]) / 2)) >= half_gap
@@ -182,13 +188,11 @@ class SampledCoverage:
         return theta
 
     def _far(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
-        chord = self.diameter * np.abs(np.sin((first[:, None] - second[None, :]) / 2))
-        return chord >= self.min_baseline
+        chord = self.ring.diameter * np.abs(np.sin((first[:, None] - second[None, :]) / 2))
+        return self.demand.apart(chord)
 
-    def _paired(self, theta: np.ndarray, seen: np.ndarray) -> np.ndarray:
-        """(N,) bool: two cameras that see the point are far enough apart."""
-        partners = self._far(theta, theta).astype(np.float32) @ seen.astype(np.float32) > 0
-        return np.any(seen & partners, axis=0)
+    def _criterion(self, theta: np.ndarray) -> Criterion:
+        return Criterion(self.demand.threshold, self._far(theta, theta) if self.demand.baseline > 0 else None)
 
 
 def _worth(sums: np.ndarray) -> np.ndarray:

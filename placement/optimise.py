@@ -1,46 +1,40 @@
-"""Propose a layout: search on samples from many starts, score the distinct ends exactly, polish the best."""
+"""What one calls about a mesh: where cameras should sit, how far that is from the best possible, how many it takes."""
 
-import time
-from collections.abc import Sequence
-
-import numpy as np
-import trimesh
+from typing import Any
 
 import exact
+from exact.requests import checked_demand, shows
 from placement.arcs import LayoutSpace
-from placement.certificate import Certificate, certify_samples, measure
-from placement.constraints import Constraints, checked_threshold
-from placement.equidistant import compared_phases
-from placement.problem import Problem, Progress
-from placement.results import Candidate, Placement, SearchRecord, SiteResult, library_versions
-from placement.scoring import canonical, polish
-from placement.search import search
-from placement.settings import Settings
-from placement.sites import Objective
+from placement.certificate import Certificate
+from placement.constraints import Constraints, demanded
+from placement.errors import refusing
+from placement.problem import ASKED, Problem
+from placement.progress import Progress
+from placement.recommend import Recommendation, refuse_target
+from placement.results import Placement
+from placement.sites import Surfaces
+
+# What a `Problem` takes beside meshes and ring, with its defaults.
+ABOUT = {"settings": None, "seed": 0, "site_weights": None, "objective": "mean", **ASKED}
 
 
+@shows({**ABOUT, "workers": None})
 def optimise(
-    mesh: trimesh.Trimesh | Sequence[trimesh.Trimesh],
+    mesh: Surfaces,
     ring: exact.Ring,
     n_cameras: int = 4,
-    threshold: int = 2,
-    exclude: np.ndarray | Sequence[np.ndarray | None] | None = None,
+    *,
     constraints: Constraints | None = None,
-    settings: Settings | None = None,
-    seed: int = 0,
-    progress: Progress | None = None,
     certify: bool = True,
-    face_weights: np.ndarray | Sequence[np.ndarray | None] | None = None,
-    site_weights: Sequence[float] | None = None,
-    objective: Objective = "mean",
-    workers: int | None = None,
+    progress: Progress | None = None,
+    **about: Any,
 ) -> Placement:
     """Find where `n_cameras` cameras on `ring` reconstruct the most of one site or several.
 
     Parameters
     ----------
-    mesh, ring, threshold, exclude, settings, seed, progress, face_weights, site_weights, objective, workers
-        See `Problem`. The same request with the same seed gives the same layout, bit for bit.
+    mesh, ring, progress
+        See `Problem`.
     n_cameras : int
         Number of cameras M.
     constraints : Constraints, optional
@@ -48,6 +42,9 @@ def optimise(
     certify : bool
         Also bound what any layout could reconstruct (`Placement.certificate`), within
         `settings.certificate_seconds`; a better layout found on the way is taken.
+    settings, seed, site_weights, objective, workers, exclude, face_weights, threshold, min_baseline, demand
+        See `Problem`. The same request with the same seed gives the same layout, bit for bit, unless the certificate
+        runs out of time: which layouts it knows then depends on how fast the machine is.
 
     Returns
     -------
@@ -61,64 +58,115 @@ def optimise(
 
     Examples
     --------
+    >>> import trimesh
     >>> from dataclasses import replace
+    >>> from placement import Settings
     >>> step = trimesh.util.concatenate([trimesh.creation.box((30, 30, 1)), trimesh.creation.box((1, 8, 30))])
     >>> quick = replace(Settings(), n_samples=500, n_angles=36, n_starts=4, n_start_phases=2, ring_cameras=16)
     >>> result = optimise(step, exact.Ring(), n_cameras=3, settings=replace(quick, polish_steps=()))
     >>> bool(result.area >= result.best_equidistant_area), bool(result.smallest_separation >= 5.0)
     (True, True)
     """
-    constraints = Constraints() if constraints is None else constraints
-    # Refused before anything is computed.
-    checked_threshold(threshold, LayoutSpace(ring, n_cameras, constraints).n_cameras, constraints)
-    problem = Problem(
-        mesh, ring, threshold, exclude, settings, seed, face_weights, site_weights, objective, workers, progress
+    _refuse_beforehand(ring, n_cameras, constraints, about)
+    return Problem(mesh, ring, progress=progress, **about).optimise(
+        n_cameras, constraints, certify=certify, progress=progress
     )
-    return place(problem, n_cameras, constraints, certify, progress)
 
 
+@shows(ABOUT)
 def certify(
-    mesh: trimesh.Trimesh | Sequence[trimesh.Trimesh],
+    mesh: Surfaces,
     ring: exact.Ring,
     n_cameras: int = 4,
-    threshold: int = 2,
-    exclude: np.ndarray | Sequence[np.ndarray | None] | None = None,
+    *,
     constraints: Constraints | None = None,
-    settings: Settings | None = None,
-    seed: int = 0,
     layout=None,
-    face_weights: np.ndarray | Sequence[np.ndarray | None] | None = None,
-    site_weights: Sequence[float] | None = None,
-    objective: Objective = "mean",
+    **about: Any,
 ) -> Certificate:
     """Bound what any layout of a request can reconstruct.
 
     Parameters
     ----------
-    mesh, ring, n_cameras, threshold, exclude, constraints, settings, seed, face_weights, site_weights, objective
+    mesh, ring, n_cameras, constraints, settings, seed, site_weights, objective, exclude, face_weights, threshold, \
+min_baseline, demand
         The request, as for `optimise`; `settings.certificate_step` and `settings.certificate_seconds` say how.
     layout : (M,) array_like, optional
-        Ring angles [rad] whose gap to the bounds is wanted.
+        Ring angles [rad] whose gap to the bounds is wanted; as many as `n_cameras`, and within the constraints.
 
     Raises
     ------
     PlacementError
-        If the request cannot be met.
+        If the request cannot be met, or `layout` is none that it bounds.
 
     Examples
     --------
+    >>> import numpy as np, trimesh
     >>> from dataclasses import replace
+    >>> from placement import Settings
     >>> step = trimesh.util.concatenate([trimesh.creation.box((30, 30, 1)), trimesh.creation.box((1, 8, 30))])
     >>> quick = replace(Settings(), n_samples=500, n_angles=36, certificate_step=float(np.radians(10)))
     >>> found = certify(step, exact.Ring(), n_cameras=2, settings=quick)
     >>> found.proven, bool(found.grid_fraction <= found.grid_bound_fraction <= found.bound_fraction <= 1)
     (True, True)
     """
-    space = LayoutSpace(ring, n_cameras, Constraints() if constraints is None else constraints)
-    threshold = checked_threshold(threshold, space.n_cameras, space.constraints)
-    problem = Problem(mesh, ring, threshold, exclude, settings, seed, face_weights, site_weights, objective, workers=1)
-    certificate = certify_samples(problem.profiles, space, threshold, problem.settings, problem.sites.of)
-    return certificate if layout is None else measure(certificate, problem.profiles, layout, threshold)
+    _refuse_beforehand(ring, n_cameras, constraints, about)
+    # No ring maximum is wanted, so there is nothing to share.
+    return Problem(mesh, ring, workers=1, **about).certify(n_cameras, constraints, layout=layout)
+
+
+@shows({**ABOUT, "workers": None})
+def recommend_count(
+    mesh: Surfaces,
+    ring: exact.Ring,
+    target: float = 0.99,
+    *,
+    constraints: Constraints | None = None,
+    certify: bool = True,
+    max_cameras: int = 16,
+    progress: Progress | None = None,
+    **about: Any,
+) -> Recommendation:
+    """Find the fewest cameras that reach `target`, optimised and equidistant.
+
+    Numbers are tried one after another until both have reached it, or `max_cameras`.
+
+    Parameters
+    ----------
+    mesh, ring, constraints, certify, progress, settings, seed, site_weights, objective, workers, exclude, \
+face_weights, threshold, min_baseline, demand
+        As for `optimise`.
+    target : float
+        Fraction of the ring maximum, above 0 and at most 1.
+    max_cameras : int
+        Most cameras to try.
+
+    Returns
+    -------
+    Recommendation
+        With a certificate for each number, unless `certify` is False.
+
+    Raises
+    ------
+    PlacementError
+        If the request makes no sense, or not even the fewest cameras can meet the constraints.
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> from placement import Settings
+    >>> quick = Settings(n_samples=500, n_angles=36, n_starts=2, ring_cameras=16, polish_steps=(), exact_candidates=1)
+    >>> step = trimesh.util.concatenate([trimesh.creation.box((30, 30, 1)), trimesh.creation.box((1, 8, 30))])
+    >>> found = recommend_count(step, exact.Ring(), target=0.9, settings=quick, max_cameras=4, certify=False)
+    >>> found.n_cameras, found.placement.fraction >= 0.9
+    (4, True)
+    """
+    limits = Constraints() if constraints is None else constraints
+    with refusing():
+        demand = checked_demand(about)
+    refuse_target(target, max_cameras, demanded(demand, limits, ring), limits)
+    return Problem(mesh, ring, progress=progress, **about).count(
+        target, limits, certify=certify, max_cameras=max_cameras, progress=progress
+    )
 
 
 def place(
@@ -128,111 +176,25 @@ def place(
     certify: bool = True,
     progress: Progress | None = None,
 ) -> Placement:
-    """Find the best layout of a `Problem`; parameters, result and errors as for `optimise`.
+    """Find the best layout of a `Problem`: the same as `Problem.optimise`.
 
     Examples
     --------
-    >>> from dataclasses import replace
-    >>> quick = replace(Settings(), n_samples=500, n_angles=36, n_starts=4, ring_cameras=16, exact_candidates=2)
+    >>> import trimesh
+    >>> from placement import Settings
+    >>> quick = Settings(n_samples=200, n_angles=12, n_starts=2, ring_cameras=8, polish_steps=())
     >>> problem = Problem(trimesh.creation.box((30, 30, 5)), exact.Ring(), settings=quick)
-    >>> [len(place(problem, n, certify=False).angles) for n in (2, 3)]
-    [2, 3]
+    >>> len(place(problem, 2, certify=False).angles)
+    2
     """
-    report = progress or (lambda what, done, total: None)
-    settings, ring, profiles = problem.settings, problem.ring, problem.profiles
+    return problem.optimise(n_cameras, constraints, certify=certify, progress=progress)
+
+
+def _refuse_beforehand(
+    ring: exact.Ring, n_cameras: int, constraints: Constraints | None, about: dict[str, Any]
+) -> None:
+    """Refuse what can never be met, before anything is computed."""
     space = LayoutSpace(ring, n_cameras, Constraints() if constraints is None else constraints)
-    threshold = checked_threshold(problem.threshold, space.n_cameras, space.constraints)
-    scorer, (coverage, surrogate) = problem.scorer(space.constraints), problem.coverage(space.constraints)
-    clock = _Clock()
-
-    report("searching", 0, 1)
-    pool, counts = search(problem, space)
-    layouts = [("search", layout) for layout in pool[: settings.exact_candidates]]
-    clock.lap("search")
-
-    certificate = None
-    if certify:
-        report("bounding any layout", 0, 1)
-        certificate = certify_samples(
-            profiles, space, threshold, settings, problem.sites.of, pool[: settings.exact_candidates]
-        )
-        if certificate.grid_angles is not None and space.allows(certificate.grid_angles):
-            layouts.append(("certificate", np.array(certificate.grid_angles)))
-        clock.lap("certificate")
-
-    phases = compared_phases(problem, space)
-    even = [ring.equidistant(space.n_cameras, phase) for phase in phases]
-    layouts += [("equidistant", layout) for layout in even if space.allows(layout)]
-    to_score = [layout for _, layout in layouts] + even
-    n_exact = len({canonical(layout).tobytes() for layout in to_score})
-    done, total = 0, len(problem.sites.members) * n_exact
-
-    def on_evaluation(steps: int) -> None:
-        nonlocal done
-        done += steps
-        report("scoring exactly", min(done, total), total)
-
-    scorer.many(to_score, on_evaluation)
-    report("scoring exactly", total, total)
-    clock.lap("scoring")
-    report("ring maximum", 0, 1)
-    _ = scorer.ring_areas
-    clock.lap("ring maximum")
-
-    def candidate(angles, origin: str) -> Candidate:
-        theta = canonical(angles)
-        return Candidate(
-            tuple(theta.tolist()), origin, surrogate.at(theta, settings.temperatures[-1]), coverage.fraction(theta),
-            scorer.fraction(theta), scorer.areas(theta),
-        )  # fmt: skip
-
-    scored = sorted((candidate(angles, origin) for origin, angles in layouts), key=lambda found: -found.fraction)
-    scored = list({found.angles: found for found in reversed(scored)}.values())[::-1]
-    n_moves = 0
-    if settings.polish_steps and space.n_free:
-        report("polishing", 0, 1)
-        polished, n_moves = polish(scorer, space, scored[0].angles, settings.polish_steps, settings.polish_sweeps)
-        n_exact += 1
-        if scorer.fraction(polished) > scored[0].fraction:
-            scored.insert(0, candidate(polished, "polish"))
-    clock.lap("polish")
-    report("polishing", 1, 1)
-
-    best = max(range(len(even)), key=lambda i: scorer.fraction(even[i]))
-    areas = zip(scored[0].areas, scorer.areas(even[0]), scorer.areas(even[best]), scorer.ring_areas, strict=True)
-    sites = tuple(
-        SiteResult(*four_areas, site.share, site.mesh_hash, int(site.excluded.sum()), site.face_weights is not None)
-        for site, four_areas in zip(problem.sites.members, areas, strict=True)
-    )
-    return Placement(
-        angles=scored[0].angles,
-        fraction=scored[0].fraction,
-        equidistant_fraction=scorer.fraction(even[0]),
-        best_equidistant_fraction=scorer.fraction(even[best]),
-        best_equidistant_phase=phases[best],
-        sites=sites,
-        objective=problem.sites.objective,
-        candidates=tuple(scored),
-        certificate=None if certificate is None else measure(certificate, profiles, scored[0].angles, threshold),
-        search=SearchRecord(**counts, n_exact=n_exact, n_moves=n_moves, seconds=clock.seconds),
-        ring=ring,
-        n_cameras=space.n_cameras,
-        threshold=threshold,
-        constraints=space.constraints,
-        settings=settings,
-        seed=problem.seed,
-        versions=library_versions(),
-    )
-
-
-class _Clock:
-    """Seconds spent on each part, in order."""
-
-    def __init__(self):
-        self.seconds: dict[str, float] = {}
-        self._last = time.perf_counter()
-
-    def lap(self, name: str) -> None:
-        now = time.perf_counter()
-        self.seconds[name] = round(now - self._last, 3)
-        self._last = now
+    with refusing():
+        demand = checked_demand(about)
+    demanded(demand, space.constraints, ring, space.n_cameras)

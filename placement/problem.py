@@ -1,25 +1,33 @@
 """A question about one site or several, with all that does not depend on the number of cameras worked out once."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
-import trimesh
 
 import exact
-from placement.constraints import Constraints, checked_seed
+from exact.requests import checked_demand, demand_keywords, refuse_unknown, shows
+from placement.arcs import LayoutSpace
+from placement.certificate import Certificate
+from placement.constraints import Constraints, checked_seed, demanded
+from placement.errors import refusing
 from placement.exchange import SampledCoverage
 from placement.profiles import RingProfiles
+from placement.progress import Progress
+from placement.proposal import bound, propose
+from placement.recommend import Recommendation, recommend, refuse_target
+from placement.results import Placement
 from placement.ring_maximum import Memory, RingMaximum
 from placement.sampled_site import sample_site
 from placement.scoring import ExactScorer, available_cores
 from placement.settings import Settings
-from placement.sites import Objective, Sites, checked_sites
+from placement.sites import Objective, Sites, Surfaces, checked_sites, scene_keywords
 from placement.surrogate import Surrogate
 
-Progress = Callable[[str, int, int], object]
-"""Called with what is being done, how many steps of it are done, and how many there are."""
+ASKED = {**scene_keywords(), **demand_keywords(), "demand": None}
 
 
+@shows(ASKED)
 class Problem:
     """Sites, a ring, and what is asked of a point: ready for layouts of any number of cameras.
 
@@ -28,20 +36,14 @@ class Problem:
 
     Parameters
     ----------
-    mesh : trimesh.Trimesh or sequence of them
+    mesh : trimesh.Trimesh, exact.Scene, or sequence of them
         One site or several [mm].
     ring : exact.Ring
         Where cameras may be.
-    threshold : int
-        How many cameras must see a point.
-    exclude : (F,) ndarray of bool, or one for each site, optional
-        Faces that do not count, such as `meshes.top_surface(mesh)`; they still hide what is behind them.
     settings : Settings, optional
         How layouts are searched for.
     seed : int
         Of samples and starts.
-    face_weights : (F,) ndarray, or one for each site, optional
-        Factor by which the area of each face counts, such as `falloff(mesh, ring, distance)`.
     site_weights : (S,) sequence of float, optional
         How much each site counts in the mean; equally by default.
     objective : {"mean", "worst"}
@@ -52,14 +54,20 @@ class Problem:
         Called with (what, done, total).
     memory : placement.ring_maximum.Memory, optional
         Where ring maxima evaluated before are found and new ones are kept, such as a dict that several problems share.
+    exclude, face_weights
+        What of each mesh counts, and how much: `exclude` and `weights` of `exact.Scene`, for all meshes or one
+        for each.
+    threshold, min_baseline, demand
+        What makes a point count: see `exact.Demand`.
 
     Raises
     ------
     PlacementError
-        If something does not fit, or no `threshold` cameras of the ring see a common point of a site.
+        If something does not fit, or no cameras of the ring see a common point of a site that counts.
 
     Examples
     --------
+    >>> import trimesh
     >>> from dataclasses import replace
     >>> quick = replace(Settings(), n_samples=500, n_angles=36, ring_cameras=16)
     >>> problem = Problem(trimesh.creation.box((30, 30, 1)), exact.Ring(), settings=quick)
@@ -69,28 +77,33 @@ class Problem:
 
     def __init__(
         self,
-        mesh: trimesh.Trimesh | Sequence[trimesh.Trimesh],
+        mesh: Surfaces,
         ring: exact.Ring,
-        threshold: int = 2,
-        exclude: np.ndarray | Sequence[np.ndarray | None] | None = None,
+        *,
         settings: Settings | None = None,
         seed: int = 0,
-        face_weights: np.ndarray | Sequence[np.ndarray | None] | None = None,
         site_weights: Sequence[float] | None = None,
         objective: Objective = "mean",
         workers: int | None = None,
         progress: Progress | None = None,
         memory: Memory | None = None,
+        **asked: Any,
     ):
+        refuse_unknown(asked, ASKED)
         seed = checked_seed(seed)
         report = progress or (lambda what, done, total: None)
-        self.sites: Sites = checked_sites(mesh, exclude, face_weights, site_weights, objective)
-        self.ring, self.threshold, self.seed = ring, threshold, seed
+        with refusing():
+            self.demand = checked_demand(asked)
+        of_scenes = {name: asked.get(name) for name in scene_keywords()}
+        self.sites: Sites = checked_sites(mesh, site_weights=site_weights, objective=objective, **of_scenes)
+        self.ring, self.seed = ring, seed
         self.settings = Settings() if settings is None else settings
         self.workers = available_cores() if workers is None else workers
-        self.ring_maximum = RingMaximum(self.sites, ring, threshold, self.settings.ring_cameras, self.workers, memory)
-        self._scorers: dict[float, ExactScorer] = {}
-        self._coverages: dict[float, tuple[SampledCoverage, Surrogate]] = {}
+        self.ring_maximum = RingMaximum(
+            self.sites, ring, self.demand, n_cameras=self.settings.ring_cameras, workers=self.workers, memory=memory
+        )
+        self._scorers: dict[exact.Demand, ExactScorer] = {}
+        self._coverages: dict[exact.Demand, tuple[SampledCoverage, Surrogate]] = {}
         # Other processes are at it while this one samples and searches.
         self.ring_maximum.begin()
         n_sites = len(self.sites.members)
@@ -99,31 +112,72 @@ class Problem:
         parts = []
         for number, site in enumerate(self.sites.members):
             report("tracing ring profiles", number, n_sites)
-            parts.append(
-                sample_site(site.mesh, ring, threshold, site.excluded, self.settings, seed, site.face_weights, few)
-            )
+            parts.append(sample_site(site.scene, ring, self.demand, self.settings, seed, few))
         report("tracing ring profiles", n_sites, n_sites)
         self.profiles: RingProfiles = _joined(parts, self.sites)
 
+    def demanded(self, constraints: Constraints, n_cameras: int | None = None) -> exact.Demand:
+        """What makes a point count under these constraints: with the baseline that they ask for."""
+        return demanded(self.demand, constraints, self.ring, n_cameras)
+
     def scorer(self, constraints: Constraints) -> ExactScorer:
-        """Exact areas, with the baseline that the constraints ask for."""
-        baseline = constraints.baseline(self.ring)
-        if baseline not in self._scorers:
-            self._scorers[baseline] = ExactScorer(
-                self.sites, self.ring, self.threshold, baseline, self.ring_maximum, self.workers
-            )
-        return self._scorers[baseline]
+        """Exact areas under these constraints."""
+        demand = self.demanded(constraints)
+        if demand not in self._scorers:
+            self._scorers[demand] = ExactScorer(self.sites, self.ring, demand, self.ring_maximum, self.workers)
+        return self._scorers[demand]
 
     def coverage(self, constraints: Constraints) -> tuple[SampledCoverage, Surrogate]:
-        """Hard and soft coverage of the samples, with the baseline that the constraints ask for."""
-        baseline = constraints.baseline(self.ring)
-        if baseline not in self._coverages:
-            profiles, diameter = self.profiles, self.ring.diameter
-            self._coverages[baseline] = (
-                SampledCoverage(profiles, self.threshold, diameter, baseline, self.settings.n_grid),
-                Surrogate(profiles, self.threshold, diameter, baseline),
+        """Hard and soft coverage of the samples under these constraints."""
+        demand = self.demanded(constraints)
+        if demand not in self._coverages:
+            self._coverages[demand] = (
+                SampledCoverage(self.profiles, demand, self.ring, self.settings.n_grid),
+                Surrogate(self.profiles, demand, self.ring),
             )
-        return self._coverages[baseline]
+        return self._coverages[demand]
+
+    def optimise(
+        self,
+        n_cameras: int = 4,
+        constraints: Constraints | None = None,
+        *,
+        certify: bool = True,
+        progress: Progress | None = None,
+    ) -> Placement:
+        """Find where `n_cameras` cameras reconstruct the most; as `placement.optimise`.
+
+        Examples
+        --------
+        >>> import trimesh
+        >>> from dataclasses import replace
+        >>> quick = replace(Settings(), n_samples=500, n_angles=36, n_starts=4, ring_cameras=16, exact_candidates=2)
+        >>> problem = Problem(trimesh.creation.box((30, 30, 5)), exact.Ring(), settings=quick)
+        >>> [len(problem.optimise(n, certify=False).angles) for n in (2, 3)]
+        [2, 3]
+        """
+        return propose(self, self._space(n_cameras, constraints), certify, progress)
+
+    def certify(self, n_cameras: int = 4, constraints: Constraints | None = None, *, layout=None) -> Certificate:
+        """Bound what any layout of `n_cameras` cameras can reconstruct; as `placement.certify`."""
+        return bound(self, self._space(n_cameras, constraints), layout)
+
+    def count(
+        self,
+        target: float = 0.99,
+        constraints: Constraints | None = None,
+        *,
+        certify: bool = True,
+        max_cameras: int = 16,
+        progress: Progress | None = None,
+    ) -> Recommendation:
+        """Find the fewest cameras that reach `target`, optimised and equidistant; as `placement.recommend_count`."""
+        constraints = Constraints() if constraints is None else constraints
+        numbers = refuse_target(target, max_cameras, self.demanded(constraints), constraints)
+        return recommend(self, target, constraints, numbers, certify, progress)
+
+    def _space(self, n_cameras: int, constraints: Constraints | None) -> LayoutSpace:
+        return LayoutSpace(self.ring, n_cameras, Constraints() if constraints is None else constraints)
 
 
 def _joined(parts, sites: Sites) -> RingProfiles:

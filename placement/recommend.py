@@ -2,18 +2,19 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-import trimesh
 
 import exact
+from exact.whole_numbers import is_whole
 from placement.constraints import Constraints
 from placement.errors import PlacementError
-from placement.optimise import place
-from placement.problem import Problem, Progress
+from placement.progress import Progress, numbered
 from placement.results import Placement
-from placement.settings import Settings
-from placement.sites import Objective
+
+if TYPE_CHECKING:
+    from placement.problem import Problem
 
 
 @dataclass(frozen=True)
@@ -74,70 +75,35 @@ class Recommendation:
         return None if self.n_cameras is None or self.n_equidistant is None else self.n_equidistant - self.n_cameras
 
 
-def recommend_count(
-    mesh: trimesh.Trimesh | Sequence[trimesh.Trimesh],
-    ring: exact.Ring,
-    target: float = 0.99,
-    threshold: int = 2,
-    exclude: np.ndarray | Sequence[np.ndarray | None] | None = None,
-    constraints: Constraints | None = None,
-    settings: Settings | None = None,
-    seed: int = 0,
-    progress: Progress | None = None,
-    certify: bool = True,
-    max_cameras: int = 16,
-    face_weights: np.ndarray | Sequence[np.ndarray | None] | None = None,
-    site_weights: Sequence[float] | None = None,
-    objective: Objective = "mean",
-    workers: int | None = None,
-) -> Recommendation:
-    """Find the fewest cameras that reach `target`, optimised and equidistant.
+def fewest_cameras(demand: exact.Demand, constraints: Constraints) -> int:
+    """Cameras without which nothing could meet the request; the demand has the baseline of the constraints.
 
-    Numbers are tried one after another until both have reached it, or `max_cameras`.
+    Examples
+    --------
+    >>> fewest_cameras(exact.Demand(1), Constraints()), fewest_cameras(exact.Demand(1, min_baseline=5.0), Constraints())
+    (1, 2)
+    """
+    return max(demand.threshold, len(constraints.fixed), 2 if demand.baseline > 0 else 1)
 
-    Parameters
-    ----------
-    mesh, ring, threshold, exclude, constraints, settings, seed, progress, certify, face_weights, site_weights, \
-objective, workers
-        As for `optimise`.
-    target : float
-        Fraction of the ring maximum, above 0 and at most 1.
-    max_cameras : int
-        Most cameras to try.
 
-    Returns
-    -------
-    Recommendation
-        With a certificate for each number, unless `certify` is False.
+def refuse_target(target: float, max_cameras: int, demand: exact.Demand, constraints: Constraints) -> range:
+    """Numbers of cameras to try.
 
     Raises
     ------
     PlacementError
-        If the request makes no sense, or not even the fewest cameras can meet the constraints.
-
-    Examples
-    --------
-    >>> quick = Settings(n_samples=500, n_angles=36, n_starts=2, ring_cameras=16, polish_steps=(), exact_candidates=1)
-    >>> step = trimesh.util.concatenate([trimesh.creation.box((30, 30, 1)), trimesh.creation.box((1, 8, 30))])
-    >>> found = recommend_count(step, exact.Ring(), target=0.9, settings=quick, max_cameras=4, certify=False)
-    >>> found.n_cameras, found.placement.fraction >= 0.9
-    (4, True)
+        If the target is no fraction, or fewer cameras are allowed than any layout needs.
     """
-    constraints = Constraints() if constraints is None else constraints
     if not (isinstance(target, int | float | np.number) and 0 < target <= 1):
         raise PlacementError(f"target is {target!r}; it must be a fraction of the ring maximum, above 0 and at most 1")
-    needs_two = constraints.baseline(ring) > 0
-    fewest = max(threshold, len(constraints.fixed), 2 if needs_two else 1)
-    if not isinstance(max_cameras, int | np.integer) or max_cameras < fewest:
+    fewest = fewest_cameras(demand, constraints)
+    if not is_whole(max_cameras) or max_cameras < fewest:
         raise PlacementError(f"max_cameras is {max_cameras!r}; it must be a whole number, at least {fewest} here")
-    problem = Problem(
-        mesh, ring, threshold, exclude, settings, seed, face_weights, site_weights, objective, workers, progress
-    )
-    return recommend(problem, target, constraints, range(fewest, max_cameras + 1), certify, progress)
+    return range(fewest, int(max_cameras) + 1)
 
 
 def recommend(
-    problem: Problem,
+    problem: "Problem",
     target: float,
     constraints: Constraints,
     numbers: Sequence[int],
@@ -145,7 +111,7 @@ def recommend(
     progress: Progress | None = None,
     on_count: Callable[[CountResult], object] | None = None,
 ) -> Recommendation:
-    """`recommend_count` for a `Problem`, with these numbers of cameras, increasing.
+    """The fewest of these numbers of cameras, increasing, that reach `target`.
 
     `on_count` is told each result as soon as it is there.
     """
@@ -156,7 +122,7 @@ def recommend(
         found = None
         if refusal is None:
             try:
-                found = place(problem, n, constraints, certify, _numbered(progress, n))
+                found = problem.optimise(n, constraints, certify=certify, progress=numbered(progress, n))
             except PlacementError as error:  # as many do not fit, nor do more
                 refusal = error
                 if not counts:
@@ -173,14 +139,8 @@ def recommend(
     return Recommendation(float(target), n_cameras, n_equidistant, tuple(counts))
 
 
-def _counted(problem: Problem, n: int, constraints: Constraints, found: Placement | None) -> CountResult:
+def _counted(problem: "Problem", n: int, constraints: Constraints, found: Placement | None) -> CountResult:
     if found is not None:
         return CountResult(n, found.equidistant_fraction, found.best_equidistant_fraction, found)
     even = problem.scorer(constraints).fraction(problem.ring.equidistant(n))
     return CountResult(n, even, even, None)
-
-
-def _numbered(progress: Progress | None, n: int) -> Progress | None:
-    if progress is None:
-        return None
-    return lambda what, done, total: progress(f"{n} cameras: {what}", done, total)

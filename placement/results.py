@@ -90,7 +90,7 @@ class SiteResult:
     equidistant_area, best_equidistant_area : float
         With the equidistant layout at phase 0 (Wachter 2021), and at the best phase tried [mm²].
     ring_area : float
-        Ring maximum: with `settings.ring_cameras` equidistant cameras, whatever the baseline asked for [mm²].
+        Ring maximum: with `settings.ring_cameras` equidistant cameras, whatever the baseline [mm²]; see `RingMaximum`.
     share : float
         Part of the site in the mean over all sites.
     mesh_hash : str
@@ -140,8 +140,9 @@ class Placement:
         Bound for any layout; None if it was not asked for.
     search : SearchRecord
         Starts, failures, evaluations, times.
-    ring, n_cameras, threshold, constraints, settings, seed, versions
-        The request and the libraries: all that is needed to repeat it, with the meshes of `sites`.
+    ring, n_cameras, demand, constraints, settings, seed, versions
+        The request and the libraries: all that is needed to repeat it, with the meshes of `sites`. `demand` is what
+        made a point count, with the baseline that the constraints ask for.
     """
 
     angles: tuple[float, ...]
@@ -156,11 +157,16 @@ class Placement:
     search: SearchRecord
     ring: exact.Ring
     n_cameras: int
-    threshold: int
+    demand: exact.Demand
     constraints: Constraints
     settings: Settings
     seed: int
     versions: dict[str, str]
+
+    @property
+    def threshold(self) -> int:
+        """How many cameras must see a point."""
+        return self.demand.threshold
 
     @property
     def area(self) -> float:

@@ -5,7 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 import exact
+from exact.whole_numbers import is_whole
 from placement.constraints import Constraints
+from placement.errors import PlacementError
 from placement.problem import Problem
 from placement.results import Candidate, Placement
 from placement.scoring import canonical
@@ -133,21 +135,20 @@ def robustness(
     (True, (1, 2))
     """
     constraints = Constraints() if constraints is None else constraints
-    theta, ring, threshold = canonical(angles), problem.ring, problem.threshold
-    scorer = problem.scorer(constraints)
-    baseline = constraints.baseline(ring)
-    far = ring.separations(theta) >= baseline - 1e-9 * ring.diameter if baseline > 0 else None
-    sets = [
-        exact.view_sets(site.mesh, ring.cameras(theta), site.excluded, site.face_weights, problem.workers)
-        for site in problem.sites.members
-    ]
+    if not (is_whole(n_mountings) and n_mountings >= 1):
+        raise PlacementError(f"n_mountings is {n_mountings!r}; it must be a whole number, at least 1")
+    if not (isinstance(mounting_error, int | float | np.number) and 0 <= mounting_error < np.inf):
+        raise PlacementError(f"mounting_error is {mounting_error!r}; it must be finite and at least 0 [rad]")
+    theta, ring, demand = canonical(angles), problem.ring, problem.demanded(constraints)
+    scorer, cameras = problem.scorer(constraints), ring.cameras(canonical(angles))
+    sets = [exact.view_sets(site.scene, cameras, workers=problem.workers) for site in problem.sites.members]
     without = ~np.eye(len(theta), dtype=bool)
-    failed = [scorer.combined([of_site.area(threshold, kept, far) for of_site in sets]) for kept in without]
-    sides = np.random.default_rng([seed, 2]).choice([-1.0, 1.0], size=(n_mountings, len(theta)))
+    failed = [scorer.combined([of_site.area(demand=demand, cameras=kept) for of_site in sets]) for kept in without]
+    sides = np.random.default_rng([seed, 2]).choice([-1.0, 1.0], size=(int(n_mountings), len(theta)))
     askew = scorer.many(list(theta + mounting_error * sides))
     return Robustness(
         tuple(theta.tolist()), scorer.fraction(theta), tuple(failed), mounting_error,
-        tuple(scorer.combined(areas) for areas in askew), _pairs(sets, threshold, far),
+        tuple(scorer.combined(areas) for areas in askew), _pairs(sets, demand, demand.far(cameras)),
     )  # fmt: skip
 
 
@@ -169,7 +170,9 @@ def consensus(result: Placement, n_layouts: int = 10) -> Consensus:
     >>> len(found.distances), found.fractions == tuple(sorted(found.fractions, reverse=True))
     (3, True)
     """
-    best: tuple[Candidate, ...] = result.candidates[:n_layouts]
+    if not (is_whole(n_layouts) and n_layouts >= 1):
+        raise PlacementError(f"n_layouts is {n_layouts!r}; it must be a whole number, at least 1")
+    best: tuple[Candidate, ...] = result.candidates[: int(n_layouts)]
     theta = np.array(best[0].angles)
     nearest = np.zeros((0, len(theta)))
     if len(best) > 1:
@@ -180,14 +183,15 @@ def consensus(result: Placement, n_layouts: int = 10) -> Consensus:
     return Consensus(tuple(found.fraction for found in best), tuple(distances.tolist()))
 
 
-def _pairs(sets: list[exact.ViewSets], threshold: int, far: np.ndarray | None) -> tuple[Pair, ...]:
+def _pairs(sets: list[exact.ViewSets], demand: exact.Demand, far: np.ndarray | None) -> tuple[Pair, ...]:
     """Pairs in the order in which each adds most to those before it."""
     seen = np.concatenate([of_site.seen for of_site in sets])
     areas = np.concatenate([of_site.areas for of_site in sets])
     first, second = np.triu_indices(seen.shape[1], k=1)
     if far is not None:
         first, second = first[far[first, second]], second[far[first, second]]
-    both = seen[:, first] & seen[:, second] & (seen.sum(axis=1) >= threshold)[:, None]
+    met = np.concatenate([of_site.met(demand=demand) for of_site in sets])
+    both = seen[:, first] & seen[:, second] & met[:, None]
     alone, whole = areas @ both, float(areas @ both.any(axis=1))
     found, left, together = [], areas.copy(), 0.0
     while together < (1 - PAIRS_ENOUGH) * whole:

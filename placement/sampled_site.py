@@ -8,7 +8,7 @@ import trimesh
 import exact
 from placement.errors import PlacementError
 from placement.profiles import RingProfiles, Visibility, ring_profiles
-from placement.sampling import SurfaceSamples, checked_exclude, sample_surface
+from placement.sampling import SurfaceSamples, sample_surface
 from placement.settings import Settings
 
 # Ring angles at which is asked where a camera may look; what lies between is covered by a margin.
@@ -28,8 +28,8 @@ class SampledSite:
     profiles : RingProfiles
         Of the points that some camera of the ring sees; those that all of them see are merged into one.
     ring_area : float
-        Area [mm²] of the samples that `threshold` of `settings.ring_cameras` equidistant cameras see: what the
-        samples say of the ring maximum.
+        Area [mm²] of the samples that enough of `settings.ring_cameras` equidistant cameras see: what the samples say
+        of the ring maximum.
     """
 
     samples: SurfaceSamples
@@ -39,49 +39,43 @@ class SampledSite:
 
 
 def sample_site(
-    mesh: trimesh.Trimesh,
+    scene: exact.Scene,
     ring: exact.Ring,
-    threshold: int,
-    exclude: np.ndarray | None = None,
+    demand: exact.Demand,
     settings: Settings | None = None,
     seed: int = 0,
-    face_weights: np.ndarray | None = None,
     n_samples: int | None = None,
 ) -> SampledSite:
-    """Sample `mesh` where the ring may see it and trace the ring profiles.
+    """Sample a surface where the ring may see it and trace the ring profiles.
 
     Parameters
     ----------
-    mesh : trimesh.Trimesh
-        The site [mm].
+    scene : exact.Scene
+        The site and what of it counts.
     ring : exact.Ring
         Where cameras may be.
-    threshold : int
-        How many cameras must see a point.
-    exclude : (F,) ndarray of bool, optional
-        Faces that do not count; they still hide what is behind them.
+    demand : exact.Demand
+        What makes a point count.
     settings : Settings, optional
         Number of samples and angles.
     seed : int
         Of the sample points.
-    face_weights : (F,) ndarray, optional
-        Factor by which the area of each face counts.
     n_samples : int, optional
         Instead of `settings.n_samples`.
 
     Raises
     ------
     PlacementError
-        If the mask does not fit, or no `threshold` cameras see a common point.
+        If no cameras see a common point that meets the demand.
 
     Examples
     --------
-    >>> site = sample_site(trimesh.creation.box((10, 10, 1)), exact.Ring(), threshold=2)
+    >>> site = sample_site(exact.Scene(trimesh.creation.box((10, 10, 1))), exact.Ring(), exact.Demand())
     >>> bool(100.0 <= site.ring_area <= 140.0)  # the top and what is seen of the sides
     True
     """
     settings = Settings() if settings is None else settings
-    excluded = checked_exclude(mesh, exclude)
+    mesh, excluded, face_weights, threshold = scene.mesh, ~scene.counted, scene.weights, demand.threshold
     towards = faces_towards(mesh, ring)
     if not (towards & ~excluded).any():
         raise PlacementError(

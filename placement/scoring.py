@@ -7,7 +7,7 @@ import numpy as np
 
 import exact
 from placement.arcs import LayoutSpace
-from placement.ring_maximum import RingMaximum, evaluation
+from placement.ring_maximum import RingMaximum
 from placement.sites import Sites
 
 # An improvement of the exact fraction smaller than this is rounding, not a better layout.
@@ -23,11 +23,9 @@ class ExactScorer:
         What is to be reconstructed.
     ring : exact.Ring
         The ring.
-    threshold : int
-        How many cameras must see a point.
-    min_baseline : float
-        Least chord between some two of the cameras that see a point [mm].
-    ring_maximum : RingMaximum, optional
+    demand : exact.Demand
+        What makes a point count.
+    ring_maximum : RingMaximum
         Of these sites and this ring.
     workers : int
         Processes that share the work; the areas do not depend on it.
@@ -37,7 +35,8 @@ class ExactScorer:
     >>> import trimesh
     >>> from placement.sites import checked_sites
     >>> plate = checked_sites(trimesh.creation.box((10, 10, 1)))
-    >>> scorer = ExactScorer(plate, exact.Ring(), 1, ring_maximum=RingMaximum(plate, exact.Ring(), 1, n_cameras=8))
+    >>> demand, ring = exact.Demand(threshold=1), exact.Ring()
+    >>> scorer = ExactScorer(plate, ring, demand, RingMaximum(plate, ring, demand, n_cameras=8))
     >>> bool(100.0 <= scorer.areas([0.0])[0] < 120.0), bool(0.5 < scorer.fraction([0.0]) < 1.0)
     (True, True)
     """
@@ -46,15 +45,14 @@ class ExactScorer:
         self,
         sites: Sites,
         ring: exact.Ring,
-        threshold: int = 2,
-        min_baseline: float = 0.0,
-        ring_maximum: RingMaximum | None = None,
+        demand: exact.Demand,
+        ring_maximum: RingMaximum,
         workers: int = 1,
     ):
-        self.sites, self.ring, self.threshold, self.min_baseline = sites, ring, threshold, min_baseline
+        self.sites, self.ring, self.demand = sites, ring, demand
         self._workers = workers
         self._areas: dict[bytes, tuple[float, ...]] = {}
-        self._ring_maximum = ring_maximum or RingMaximum(sites, ring, threshold, workers=workers)
+        self._ring_maximum = ring_maximum
 
     @property
     def ring_areas(self) -> tuple[float, ...]:
@@ -71,9 +69,9 @@ class ExactScorer:
         new = list({theta.tobytes(): theta for theta in turned if theta.tobytes() not in self._areas}.values())
         if new:
             cameras = [self.ring.cameras(theta) for theta in new]
-            requests = [evaluation(site, self.threshold, self.min_baseline) for site in self.sites.members]
             found = [
-                exact.areas(**request, layouts=cameras, workers=self._workers, report=report) for request in requests
+                exact.areas(site.scene, cameras, demand=self.demand, workers=self._workers, report=report)
+                for site in self.sites.members
             ]
             for theta, of_sites in zip(new, np.stack(found, axis=1).tolist(), strict=True):
                 self._areas[theta.tobytes()] = tuple(of_sites)
@@ -90,10 +88,7 @@ class ExactScorer:
     def moving(self, angles, camera: int) -> Callable[[float], float]:
         """`fraction` of a layout as a function of the ring angle [rad] of one of its cameras, the others held."""
         others = self.ring.cameras(np.delete(angles, camera)) if len(angles) > 1 else ()
-        layouts = [
-            exact.OneMore(**evaluation(site, self.threshold, self.min_baseline), others=others)
-            for site in self.sites.members
-        ]
+        layouts = [exact.OneMore(site.scene, others, demand=self.demand) for site in self.sites.members]
         return lambda angle: self.combined([one.area(self.ring.cameras([angle])[0]) for one in layouts])
 
 

@@ -6,16 +6,16 @@ import numpy as np
 
 from placement.arcs import LayoutSpace
 from placement.layout_parameters import Arcs
-from placement.problem import Problem
 from placement.scoring import distinct
 from placement.settings import Settings
 from placement.surrogate import Surrogate
 
 if TYPE_CHECKING:
     from placement.descent import DescentEnd
+    from placement.problem import Problem
 
 
-def search(problem: Problem, space: LayoutSpace) -> tuple[list[np.ndarray], dict[str, int]]:
+def search(problem: "Problem", space: LayoutSpace) -> tuple[list[np.ndarray], dict[str, int]]:
     """Distinct layouts, the one that reconstructs most of the samples first, and counts of what happened."""
     if space.n_free == 0:
         return [np.array(space.constraints.fixed)], dict(n_starts=0, n_failed=0, n_flat=0, n_distinct=1)
@@ -54,14 +54,14 @@ def _descended(starts: list[np.ndarray], surrogate: Surrogate, space: LayoutSpac
     )
 
 
-def _distinct(layouts: list[np.ndarray], problem: Problem, space: LayoutSpace) -> list[np.ndarray]:
+def _distinct(layouts: list[np.ndarray], problem: "Problem", space: LayoutSpace) -> list[np.ndarray]:
     """Best on the samples first, one of each group of nearly equal layouts."""
     coverage, _ = problem.coverage(space.constraints)
     ranked = sorted(layouts, key=lambda layout: -coverage.worth(layout))
     return [ranked[i] for i in distinct(ranked, problem.settings.distinct_tolerance)]
 
 
-def _starts(problem: Problem, space: LayoutSpace, rng: np.random.Generator) -> list[np.ndarray]:
+def _starts(problem: "Problem", space: LayoutSpace, rng: np.random.Generator) -> list[np.ndarray]:
     """Equidistant layouts at several phases where they are allowed, then random ones."""
     settings = problem.settings
     phases = 2 * np.pi / space.n_cameras * np.arange(settings.n_start_phases) / max(settings.n_start_phases, 1)

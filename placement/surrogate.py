@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+import exact
 from placement.profiles import RingProfiles
 
 if TYPE_CHECKING:
@@ -24,22 +25,22 @@ class Surrogate:
     ----------
     profiles : RingProfiles
         Points that can be covered or not; others only cost time.
-    threshold : int
-        How many cameras must see a point.
-    diameter, min_baseline : float
-        Of the ring, and least chord between two of the cameras that see a point [mm].
+    demand : exact.Demand
+        What makes a point count.
+    ring : exact.Ring
+        Where cameras may be.
 
     Examples
     --------
     >>> from placement.profiles import RingProfiles
     >>> one_point = RingProfiles.of(np.array([[1.5], [0.0], [-1.5], [0.0]]), np.ones(1))
-    >>> round(Surrogate(one_point, threshold=2).at([-0.5, 0.5], temperature=1e-3), 9)
+    >>> round(Surrogate(one_point, exact.Demand(), exact.Ring()).at([-0.5, 0.5], temperature=1e-3), 9)
     1.0
     """
 
-    def __init__(self, profiles: RingProfiles, threshold: int, diameter: float = 1.0, min_baseline: float = 0.0):
-        self.threshold = int(threshold)
-        self._profiles, self._diameter, self._min_baseline = profiles, float(diameter), float(min_baseline)
+    def __init__(self, profiles: RingProfiles, demand: exact.Demand, ring: exact.Ring):
+        self.demand = demand
+        self._profiles, self._ring = profiles, ring
 
     @cached_property
     def points(self) -> "Points":
@@ -53,11 +54,11 @@ class Surrogate:
         weights[profiles.site, np.arange(len(profiles.site))] = profiles.weights
         # Points without weight fill up to a round number: other sites and seeds then use what is already compiled.
         spare = ((0, 0), (0, -len(profiles.weights) % POINTS_PER_STEP))
-        baseline = Baseline(jnp.asarray(self._diameter), jnp.asarray(self._min_baseline))
+        baseline = Baseline(jnp.asarray(self._ring.diameter), jnp.asarray(self.demand.baseline))
         return Points(
             jnp.asarray(np.pad(profiles.signed_distance, spare)),
             jnp.asarray(np.pad(weights, spare)),
-            baseline if self._min_baseline > 0 else None,
+            baseline if self.demand.baseline > 0 else None,
         )
 
     def at(self, angles, temperature: float) -> float:
@@ -66,4 +67,6 @@ class Surrogate:
 
         from placement.soft_coverage import compiled_coverage
 
-        return float(compiled_coverage(jnp.asarray(angles), self.points, jnp.asarray(temperature), self.threshold))
+        return float(
+            compiled_coverage(jnp.asarray(angles), self.points, jnp.asarray(temperature), self.demand.threshold)
+        )

@@ -1,16 +1,18 @@
 """How well a layout triangulates: separations, and the angles under which rays from two cameras meet."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import trimesh
 
 import exact
-from placement.constraints import LENGTH_TOLERANCE
+from exact.requests import ASKED, checked, shows
+from placement.errors import refusing
 from placement.profiles import Visibility
 from placement.sampled_site import faces_towards, in_view
-from placement.sampling import checked_exclude, sample_surface
+from placement.sampling import sample_surface
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,36 +69,33 @@ class Triangulation:
         return cls(parts[0].smallest_separation, float(best.max(initial=0.0)), mean, best, weights)
 
 
+@shows(ASKED)
 def triangulation(
-    mesh: trimesh.Trimesh,
+    mesh: trimesh.Trimesh | exact.Scene,
     ring: exact.Ring,
     angles,
-    threshold: int = 2,
-    exclude: np.ndarray | None = None,
+    *,
     n_samples: int = 20_000,
     seed: int = 0,
-    min_baseline: float = 0.0,
+    **asked: Any,
 ) -> Triangulation:
     """Measure the triangulation angles of a layout on samples of the surface.
 
     Parameters
     ----------
-    mesh : trimesh.Trimesh
+    mesh : trimesh.Trimesh or exact.Scene
         The site [mm].
     ring : exact.Ring
         The ring.
     angles : (M,) array_like
         Ring angles [rad].
-    threshold : int
-        How many cameras must see a point for it to count.
-    exclude : (F,) ndarray of bool, optional
-        Faces that do not count.
     n_samples : int
         Sample points where the ring may see the surface.
     seed : int
         Of the samples.
-    min_baseline : float
-        Only pairs of cameras at least this far apart triangulate [mm].
+    exclude, weights, threshold, min_baseline, demand
+        What of the mesh counts and what makes a point count, as for `exact.evaluate`. Only pairs of cameras that are
+        far enough apart triangulate.
 
     Returns
     -------
@@ -110,22 +109,26 @@ def triangulation(
     >>> round(float(np.degrees(found.widest_angle)), 1), found.smallest_separation  # 2 atan(15 / 400)
     (4.3, 30.0)
     """
+    with refusing():
+        scene, demand = checked(mesh, asked)
+        separations = ring.separations(angles)
     theta = np.asarray(angles, dtype=np.float64)
-    separations = ring.separations(theta)
     smallest = float(np.min(separations[~np.eye(len(theta), dtype=bool)], initial=np.inf))
-    ignored = checked_exclude(mesh, exclude) | ~faces_towards(mesh, ring)
+    nothing = Triangulation(smallest, 0.0, 0.0, np.zeros(0), np.zeros(0))
+    ignored = ~scene.counted | ~faces_towards(scene.mesh, ring)
     if ignored.all():
-        return Triangulation(smallest, 0.0, 0.0, np.zeros(0), np.zeros(0))
-    samples = sample_surface(mesh, n_samples, ignored, seed, lambda corners: in_view(corners, ring))
+        return nothing
+    samples = sample_surface(scene.mesh, n_samples, ignored, seed, lambda corners: in_view(corners, ring))
     if len(samples) == 0:
-        return Triangulation(smallest, 0.0, 0.0, np.zeros(0), np.zeros(0))
-    seen = Visibility(mesh).from_angles(samples, ring, theta)
-    far = separations >= min_baseline - LENGTH_TOLERANCE
-    reconstructed = seen.sum(axis=0) >= threshold
-    if min_baseline > 0:
-        reconstructed &= (seen & (far.astype(np.float32) @ seen.astype(np.float32) > 0)).any(axis=0)
+        return nothing
+    seen = Visibility(scene.mesh).from_angles(samples, ring, theta)
+    reconstructed = demand.of(ring.cameras(theta)).met(seen.T)
+    if scene.weights is not None:
+        samples = replace(samples, weights=samples.weights * scene.weights[samples.faces])
+        reconstructed &= samples.weights > 0
     if not reconstructed.any():
-        return Triangulation(smallest, 0.0, 0.0, np.zeros(0), np.zeros(0))
+        return nothing
+    far = demand.apart(separations)
     rays = ring.positions(theta)[:, None, :] - samples.points[reconstructed]
     rays /= np.linalg.norm(rays, axis=2, keepdims=True)
     best = np.zeros(int(reconstructed.sum()))

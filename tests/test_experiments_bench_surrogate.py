@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import exact
 from experiments.bench import surrogate as bench_surrogate
 from experiments.bench import surrogate_accuracy
 from experiments.bench.surrogate import Plan, check
@@ -168,12 +169,12 @@ def test_standard_error_is_that_of_repeated_stratified_samples():
 def test_a_gradient_that_does_not_belong_to_the_values_is_found():
     rng = np.random.default_rng(0)
     profiles = RingProfiles.of(rng.normal(size=(12, 30)), np.ones(30))
-    surrogate = Surrogate(profiles, threshold=2)
+    surrogate = Surrogate(profiles, exact.Demand(), exact.Ring())
     layouts = [rng.random(4) * 6 for _ in range(3)]
     assert gradient_error(surrogate, layouts, 0.1) < 1e-6
 
     class Tilted:
-        points, threshold = surrogate.points, 2
+        points, demand = surrogate.points, surrogate.demand
 
         def at(self, angles, temperature):
             return surrogate.at(angles, temperature) + 0.1 * float(angles[0])

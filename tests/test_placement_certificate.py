@@ -75,14 +75,14 @@ def test_both_solvers_against_trying_every_choice(seed, n_sites):
 
 def test_blocks_of_halves_leave_nothing_out(monkeypatch):
     site = made_up_site(5)
-    program = grid_of(site, LayoutSpace(RING, 4, Constraints(0.0)), 2, 18)
+    program = grid_of(site, LayoutSpace(RING, 4, Constraints(0.0)), exact.Demand(), 18)
     whole = enumerate_all(program)
     monkeypatch.setattr("placement.grid_program.BLOCK", 7)
     assert enumerate_all(program) == whole
 
 
 def test_enumeration_stops_at_its_time_and_the_bound_of_the_program_still_holds():
-    program = grid_of(made_up_site(1), LayoutSpace(RING, 5, Constraints()), 2, 72)
+    program = grid_of(made_up_site(1), LayoutSpace(RING, 5, Constraints()), exact.Demand(), 72)
     assert enumerate_all(program, end=0.0) is None
     hurried = mixed_integer(program.merged(), seconds=1e-3, gap=1e-6)
     assert hurried.bound >= enumerate_all(program.merged()).value - 1e-9
@@ -90,7 +90,7 @@ def test_enumeration_stops_at_its_time_and_the_bound_of_the_program_still_holds(
 
 @pytest.mark.parametrize("seed", range(4))
 def test_a_known_choice_changes_neither_optimum_nor_bound(seed):
-    program = grid_of(made_up_site(seed), LayoutSpace(RING, 4, Constraints()), 2, 24).merged()
+    program = grid_of(made_up_site(seed), LayoutSpace(RING, 4, Constraints()), exact.Demand(), 24).merged()
     best = enumerate_all(program)
     for known in (best.places, (0, 5, 9, 17)):
         found = mixed_integer(program, 20.0, 1e-7, known=known)
@@ -117,8 +117,9 @@ REQUESTS = [
 def test_no_layout_exceeds_the_bounds(n_cameras, threshold, constraints, seed, n_sites):
     site = made_up_site(seed, n_sites=n_sites)
     space = LayoutSpace(RING, n_cameras, constraints)
-    certificate = certify_samples(site, space, threshold, QUICK)
-    coverage = SampledCoverage(site, threshold, n_grid=120)
+    demand = exact.Demand(threshold)
+    certificate = certify_samples(site, space, demand, QUICK)
+    coverage = SampledCoverage(site, demand, RING, n_grid=120)
     rng = np.random.default_rng(seed)
     layouts = [space.random(rng) for _ in range(150)]
     layouts += [coverage.improve(space, layout) for layout in layouts[:5]]
@@ -133,10 +134,10 @@ def test_no_layout_exceeds_the_bounds(n_cameras, threshold, constraints, seed, n
 
 @pytest.mark.parametrize("n_cameras", [1, 2, 3])
 def test_grid_bound_is_the_best_of_all_layouts_on_the_grid(n_cameras):
-    site, threshold = made_up_site(3), min(2, n_cameras)
+    site, demand = made_up_site(3), exact.Demand(min(2, n_cameras))
     space = LayoutSpace(RING, n_cameras, Constraints())
-    certificate = certify_samples(site, space, threshold, QUICK)
-    coverage = SampledCoverage(site, threshold)
+    certificate = certify_samples(site, space, demand, QUICK)
+    coverage = SampledCoverage(site, demand, RING)
     grid = np.radians(15) * np.arange(24)
     every = [list(layout) for layout in itertools.combinations(grid, n_cameras) if space.allows(layout)]
     best = max(coverage.fraction(layout) for layout in every)
@@ -149,29 +150,31 @@ def test_cells_are_never_less_than_what_any_angle_in_them_sees():
     site, space = made_up_site(2), LayoutSpace(RING, 3, Constraints())
     angles = np.random.default_rng(0).uniform(0, TURN, 500)
     for n_cells in (7, 24, 72, 144):
-        cells = cells_of(site, space, 2, n_cells)
+        cells = cells_of(site, space, exact.Demand(), n_cells)
         inside = cells.seen[np.floor(angles / TURN * n_cells).astype(int)]
         assert not (site.at(angles) & ~inside).any()
 
 
 def test_smaller_cells_give_a_tighter_bound():
     site, space = made_up_site(4), LayoutSpace(RING, 3, Constraints())
-    bounds = [solve(cells_of(site, space, 2, n), 20.0, 1e-6).bound for n in (12, 24, 48)]
+    bounds = [solve(cells_of(site, space, exact.Demand(), n), 20.0, 1e-6).bound for n in (12, 24, 48)]
     assert bounds[0] >= bounds[1] >= bounds[2]
 
 
 def test_gap_of_a_layout_and_the_statement():
     site, space = made_up_site(6), LayoutSpace(RING, 4, Constraints())
-    certificate = certify_samples(site, space, 2, QUICK)
+    certificate = certify_samples(site, space, exact.Demand(), QUICK)
     assert certificate.gap is None and certificate.layout_fraction is None
-    measured = measure(certificate, site, certificate.grid_angles, 2)
+    measured = measure(certificate, site, certificate.grid_angles, exact.Demand(), RING)
     assert measured.layout_fraction == pytest.approx(certificate.grid_fraction)
     assert measured.gap == pytest.approx(certificate.bound_fraction - certificate.grid_fraction)
     assert 0 <= measured.grid_gap < 1e-4 and measured.gap >= 0
     for words in ("at multiples of 15 degrees", "at any angles", "Not proven", f"{measured.bound_fraction:.2%}"):
         assert words in measured.statement
     assert "leave the baseline out" not in measured.statement
-    with_baseline = certify_samples(site, LayoutSpace(RING, 4, Constraints(min_baseline=20.0)), 2, QUICK)
+    with_baseline = certify_samples(
+        site, LayoutSpace(RING, 4, Constraints(min_baseline=20.0)), exact.Demand(min_baseline=20.0), QUICK
+    )
     assert with_baseline.ignores_baseline and "leave the baseline out" in with_baseline.statement
 
 
@@ -194,7 +197,7 @@ def test_optimise_carries_a_certificate_and_never_stays_below_its_layout():
 
 def test_errors():
     plate = trimesh.creation.box((10, 10, 1))
-    with pytest.raises(PlacementError, match="threshold is 3 but there are only 2 cameras"):
+    with pytest.raises(PlacementError, match="threshold is 3 with 2 cameras"):
         placement.certify(plate, RING, n_cameras=2, threshold=3, settings=QUICK)
     with pytest.raises(PlacementError, match=r"need a ring of at least 38\.6 mm"):
         placement.certify(plate, RING, n_cameras=12, constraints=Constraints(10.0), settings=QUICK)

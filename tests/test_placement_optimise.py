@@ -77,7 +77,13 @@ def test_candidates_are_distinct_and_meet_the_constraints(placed):
 
 def test_everything_needed_to_repeat_is_kept(bars, placed):
     again = placement.optimise(
-        bars, placed.ring, placed.n_cameras, placed.threshold, None, placed.constraints, placed.settings, placed.seed
+        bars,
+        placed.ring,
+        placed.n_cameras,
+        demand=placed.demand,
+        constraints=placed.constraints,
+        settings=placed.settings,
+        seed=placed.seed,
     )
     assert again == placed  # bit for bit: angles, areas, candidates
     assert again.angles == placed.angles
@@ -113,19 +119,19 @@ CASES = [
 @pytest.mark.parametrize(("n_cameras", "threshold", "constraints"), CASES)
 def test_constraints_hold(bars, n_cameras, threshold, constraints):
     settings = dataclasses.replace(QUICK, polish_sweeps=1, n_starts=4)
-    result = placement.optimise(bars, RING, n_cameras, threshold, constraints=constraints, settings=settings)
+    result = placement.optimise(bars, RING, n_cameras, threshold=threshold, constraints=constraints, settings=settings)
     assert len(result.angles) == n_cameras
     assert constraints.violations(RING, result.angles) == []
     baseline = constraints.baseline(RING)
-    checked = exact.evaluate(bars, RING.cameras(result.angles), threshold, min_baseline=baseline)
+    checked = exact.evaluate(bars, RING.cameras(result.angles), threshold=threshold, min_baseline=baseline)
     assert result.area == checked.area
     allowed = [f for f in result.candidates if f.origin == "equidistant"]
     assert all(result.area >= found.area for found in allowed)
 
 
 def test_moving_one_camera_never_loses_sampled_area(bars):
-    site = sample_site(bars, RING, 2, settings=QUICK)
-    coverage, rng = SampledCoverage(site.profiles, 2, n_grid=120), np.random.default_rng(0)
+    site = sample_site(exact.Scene(bars), RING, exact.Demand(), settings=QUICK)
+    coverage, rng = SampledCoverage(site.profiles, exact.Demand(), RING, n_grid=120), np.random.default_rng(0)
     space = LayoutSpace(RING, 4, Constraints(fixed=(1.0,)))
     for _ in range(5):
         start = space.random(rng)
@@ -137,7 +143,8 @@ def test_moving_one_camera_never_loses_sampled_area(bars):
 
 def scorer_of(bars, objective="mean", min_baseline=0.0):
     sites = checked_sites(bars, objective=objective)
-    return ExactScorer(sites, RING, 2, min_baseline, RingMaximum(sites, RING, n_cameras=16))
+    demand = exact.Demand(min_baseline=min_baseline)
+    return ExactScorer(sites, RING, demand, RingMaximum(sites, RING, demand, n_cameras=16))
 
 
 def test_polish_only_climbs(bars):
@@ -196,7 +203,7 @@ def test_triangulation_by_pairs_far_enough_apart(bars):
     every = placement.triangulation(bars, RING, layout, n_samples=3000)
     least = 2 * np.arcsin(baseline / 2 / 403)  # no farther than from a ring camera to anything here
     assert found.best_angles.min() > least > every.best_angles.min() > 0
-    reconstructed = exact.evaluate(bars, RING.cameras(layout), 2, min_baseline=baseline).area
+    reconstructed = exact.evaluate(bars, RING.cameras(layout), min_baseline=baseline).area
     assert found.weights.sum() == pytest.approx(reconstructed, rel=0.06)
 
 
@@ -212,7 +219,7 @@ def error_cases(bars):
     low = bars.copy()
     low.apply_translation((500, 0, 0))
     return {
-        "T > M": (dict(n_cameras=2, threshold=3), "threshold is 3 but there are only 2 cameras"),
+        "T > M": (dict(n_cameras=2, threshold=3), "threshold is 3 with 2 cameras"),
         "T = 0": (dict(threshold=0), "threshold is 0; it must be a whole number, at least 1"),
         "T = 1.5": (dict(threshold=1.5), "threshold is 1.5"),
         "no camera": (dict(n_cameras=0), "number of cameras is 0"),
@@ -220,7 +227,10 @@ def error_cases(bars):
             dict(n_cameras=12, constraints=Constraints(min_separation=10.0)),
             r"12 cameras at 10 mm need a ring of at least 38\.6 mm; this one takes 9",
         ),
-        "mask": (dict(exclude=np.zeros(3, dtype=bool)), rf"exclude has shape \(3,\).* each of the {n_faces} faces"),
+        "mask": (
+            dict(exclude=np.zeros(3, dtype=bool)),
+            rf"exclude is an array of bool with shape \(3,\).* each of the {n_faces} faces",
+        ),
         "all excluded": (dict(exclude=np.ones(n_faces, dtype=bool)), f"all {n_faces} faces are excluded"),
         "outside": (
             dict(mesh=low),

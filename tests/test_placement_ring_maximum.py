@@ -14,7 +14,8 @@ BLOCK = trimesh.creation.box((30, 30, 9))
 
 
 def maximum(memory, mesh=BLOCK, ring=RING, threshold=2, n_cameras=8, exclude=None, face_weights=None):
-    return RingMaximum(checked_sites(mesh, exclude, face_weights), ring, threshold, n_cameras, memory=memory)
+    sites = checked_sites(mesh, exclude=exclude, face_weights=face_weights)
+    return RingMaximum(sites, ring, exact.Demand(threshold), n_cameras=n_cameras, memory=memory)
 
 
 def test_what_is_remembered_is_not_evaluated_again():

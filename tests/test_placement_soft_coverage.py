@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from jaxtyping import TypeCheckError, install_import_hook
 
+import exact
 from placement import soft_coverage as module_under_test
 from placement.exchange import SampledCoverage
 from placement.profiles import RingProfiles
@@ -52,7 +53,7 @@ def test_at_least_against_enumeration(n_events, threshold):
 @pytest.mark.parametrize("min_baseline", [0.0, 12.0])
 def test_cold_soft_coverage_is_the_hard_coverage_of_the_samples(profiles, threshold, min_baseline):
     rng = np.random.default_rng(1)
-    hard = SampledCoverage(profiles, threshold, 30.0, min_baseline)
+    hard = SampledCoverage(profiles, exact.Demand(threshold, min_baseline), exact.Ring())
     baseline = Baseline(jnp.asarray(30.0), jnp.asarray(min_baseline)) if min_baseline else None
     for _ in range(10):
         angles = rng.uniform(-10, 10, 5)
@@ -63,7 +64,7 @@ def test_cold_soft_coverage_is_the_hard_coverage_of_the_samples(profiles, thresh
 @pytest.mark.parametrize("threshold", [1, 2, 3])
 @pytest.mark.parametrize("min_baseline", [0.0, 12.0])
 def test_moving_cameras_over_the_grid_agrees_with_the_area_of_each_layout(profiles, threshold, min_baseline):
-    hard = SampledCoverage(profiles, threshold, 30.0, min_baseline, n_grid=24)
+    hard = SampledCoverage(profiles, exact.Demand(threshold, min_baseline), exact.Ring(), n_grid=24)
     others = np.array([0.3, 2.2, 4.0])
     expected = [hard.worth([*others, angle]) for angle in hard.grid]
     assert np.abs(hard.worth_with_one_more(others) - expected).max() < 1e-3  # single precision
@@ -82,10 +83,13 @@ def two_sites(profiles):
 
 @pytest.mark.parametrize("min_baseline", [0.0, 12.0])
 def test_of_several_sites_the_least_counts(two_sites, min_baseline):
-    hard = SampledCoverage(two_sites, 2, 30.0, min_baseline, n_grid=24)
-    soft = Surrogate(two_sites, 2, 30.0, min_baseline)
+    hard = SampledCoverage(two_sites, exact.Demand(2, min_baseline), exact.Ring(), n_grid=24)
+    soft = Surrogate(two_sites, exact.Demand(2, min_baseline), exact.Ring())
     others = np.array([0.3, 2.2, 4.0])
-    alone = [SampledCoverage(two_sites.subset(two_sites.site == k), 2, 30.0, min_baseline) for k in (0, 1)]
+    alone = [
+        SampledCoverage(two_sites.subset(two_sites.site == k), exact.Demand(2, min_baseline), exact.Ring())
+        for k in (0, 1)
+    ]
     sums = [float(part.profiles.weights[part.covered(others)].sum()) for part in alone]
     assert hard.fraction(others) == pytest.approx(min(sums), abs=1e-12)
     assert 0 <= min(sums) - soft.at(others, 1e-9) + 1e-12 <= SOFT_MINIMUM * np.log(2) + 1e-9

@@ -70,7 +70,7 @@ def _site(detail: str, name: str = SITE):
 
 
 def _evaluate(mesh, exclude, n_cameras: int, workers: int = 1) -> exact.Reconstruction:
-    return exact.evaluate(mesh, RING.cameras(RING.equidistant(n_cameras)), 2, exclude, workers=workers)
+    return exact.evaluate(mesh, RING.cameras(RING.equidistant(n_cameras)), exclude=exclude, workers=workers)
 
 
 def _embree(mesh, exclude, n_cameras: int, seed: int = 0) -> tuple[float, float]:
@@ -164,7 +164,7 @@ def _paper_algorithm() -> list[tuple[str, str, str, str]]:
         mesh = meshes.site(name, depth=DEPTH, detail="coarse")
         exclude, cameras = meshes.top_surface(mesh), RING.cameras(RING.equidistant(8))
         start = time.perf_counter()
-        theirs = t_view_area(mesh, cameras, 2, exclude)
+        theirs = t_view_area(exact.Scene(mesh, exclude=exclude), cameras, exact.Demand())
         plain = time.perf_counter() - start
         ours = _seconds(lambda mesh=mesh, exclude=exclude: _evaluate(mesh, exclude, 8))
         area = _evaluate(mesh, exclude, 8).area
@@ -189,7 +189,7 @@ def _vertex_order() -> list[tuple[str, str, str, str]]:
             ring = exact.Ring(fov=site.fov)
             exclude, cameras = meshes.top_surface(mesh), ring.cameras(ring.equidistant(8))
             right, vertex = (
-                exact.evaluate(mesh, cameras, 2, exclude, depth_order=order).area for order in ("exact", "vertex")
+                exact.evaluate(mesh, cameras, exclude=exclude, depth_order=order).area for order in ("exact", "vertex")
             )
             rows.append(
                 (f"error of nearest-vertex order, {name} {depth:g}", f"{100 * (vertex / right - 1):+.4f}", "%", "")

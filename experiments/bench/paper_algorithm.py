@@ -15,23 +15,23 @@ import trimesh
 import exact
 
 
-def t_view_area(mesh: trimesh.Trimesh, cameras: Sequence[exact.Camera], threshold: int, exclude: np.ndarray) -> float:
-    """Area [mm²] that at least `threshold` of the `cameras` see, by the paper's rules.
+def t_view_area(scene: exact.Scene, cameras: Sequence[exact.Camera], demand: exact.Demand) -> float:
+    """Area [mm²] that as many of the `cameras` see as the demand's threshold has it, by the paper's rules.
 
     Examples
     --------
-    >>> ring, box = exact.Ring(), trimesh.creation.box((10, 10, 10))
-    >>> cameras, nothing = ring.cameras(ring.equidistant(3)), np.zeros(12, dtype=bool)
-    >>> difference = t_view_area(box, cameras, 2, nothing) - exact.evaluate(box, cameras, 2).area
+    >>> ring, box = exact.Ring(), exact.Scene(trimesh.creation.box((10, 10, 10)))
+    >>> cameras = ring.cameras(ring.equidistant(3))
+    >>> difference = t_view_area(box, cameras, exact.Demand()) - exact.evaluate(box, cameras).area
     >>> abs(difference) < 1e-9
     True
     """
-    views = [_visible_polygons(mesh, camera) for camera in cameras]
+    views = [_visible_polygons(scene.mesh, camera) for camera in cameras]
     total = 0.0
-    for face in np.flatnonzero(~exclude).tolist():
+    for face in np.flatnonzero(scene.counted).tolist():
         seen = [view[face] for view in views if face in view]
         common = []
-        for some in combinations(seen, threshold):
+        for some in combinations(seen, demand.threshold):
             polygon = some[0]
             for other in some[1:]:
                 polygon = polygon.intersection(other)

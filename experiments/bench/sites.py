@@ -81,7 +81,7 @@ def compare(name: str, depth: int, fov: str) -> list[Row]:
 
     def ours(n: int, exclude: np.ndarray) -> float:
         cameras = ring.cameras(ring.equidistant(n))
-        return exact.evaluate(mesh, cameras, 2, exclude, workers=WORKERS if n >= 64 else 1).area
+        return exact.evaluate(mesh, cameras, exclude=exclude, workers=WORKERS if n >= 64 else 1).area
 
     circular, wide = name != "elliptical", fov == "60x60"
     maximum, theirs = ours(360, top), area[name, depth, fov, False, 360]

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import jax.numpy as jnp
 import numpy as np
-import trimesh
 
 import exact
 import meshes
@@ -25,7 +24,7 @@ from placement.sampled_site import SampledSite, sample_site
 from placement.settings import Settings
 from placement.surrogate import Surrogate
 
-THRESHOLD = 2
+DEMAND = exact.Demand()
 MIN_SEPARATION = 5.0  # mm, the default of `placement.Constraints`
 # Every so many layouts one is asked for its gradient, and one for rays to its samples: both take long.
 GRADIENT_STRIDE, RAY_STRIDE = 8, 8
@@ -40,8 +39,8 @@ class Truth:
     ----------
     site, depth_mm : str, float
         Name and depth of a built-in site; its ring has the field of view that the site is meant for.
-    mesh, ring, exclude
-        The site, the ring, and the (F,) mask of its top surface.
+    scene, ring
+        The site without its top surface, and the ring.
     layouts : list of (M,) ndarray
         Ring angles [rad]; M differs.
     areas : (L,) ndarray
@@ -52,9 +51,8 @@ class Truth:
 
     site: str
     depth_mm: float
-    mesh: trimesh.Trimesh
+    scene: exact.Scene
     ring: exact.Ring
-    exclude: np.ndarray
     layouts: list[np.ndarray]
     areas: np.ndarray
     ring_area: float
@@ -119,15 +117,15 @@ def true_areas(
 ) -> Truth:  # fmt: skip
     """Exact areas of `each` random layouts of every number of cameras in `counts`; the same ones on every run."""
     mesh = meshes.site(name, depth=depth)
-    ring, exclude = exact.Ring(fov=meshes.SITES[name].fov), meshes.top_surface(mesh)
+    ring, scene = exact.Ring(fov=meshes.SITES[name].fov), exact.Scene(mesh, exclude=meshes.top_surface(mesh))
     rng = np.random.default_rng(0)
     spaces = [LayoutSpace(ring, n, Constraints(min_separation=MIN_SEPARATION)) for n in counts]
     layouts = [space.random(rng) for space in spaces for _ in range(each)]
     cameras = [ring.cameras(layout) for layout in layouts]
-    areas = exact.areas(mesh, cameras, THRESHOLD, exclude, workers=workers, report=report)
+    areas = exact.areas(scene, cameras, demand=DEMAND, workers=workers, report=report)
     everywhere = ring.cameras(ring.equidistant(ring_cameras))
-    ring_area = exact.evaluate(mesh, everywhere, THRESHOLD, exclude, workers=workers).area
-    return Truth(name, depth, mesh, ring, exclude, layouts, areas, ring_area)
+    ring_area = exact.evaluate(scene, everywhere, demand=DEMAND, workers=workers).area
+    return Truth(name, depth, scene, ring, layouts, areas, ring_area)
 
 
 def accuracy(
@@ -143,7 +141,7 @@ def accuracy(
         From temperature, 0 for hard, to the (L,) estimated areas [mm²].
     """
     site = _sampled(truth, settings, seed)
-    surrogate = Surrogate(site.profiles, THRESHOLD)
+    surrogate = Surrogate(site.profiles, DEMAND, truth.ring)
     estimates = {
         float(t): np.array([surrogate.at(layout, t) for layout in truth.layouts]) for t in sorted(temperatures)[::-1]
     }
@@ -173,12 +171,12 @@ def sampling(truth: Truth, settings: Settings, seed: int, rays: dict) -> Samplin
     start = time.process_time()
     site = _sampled(truth, settings, seed)
     tracing = time.process_time() - start
-    hard, surrogate = hard_areas(truth, site), Surrogate(site.profiles, THRESHOLD)
+    hard, surrogate = hard_areas(truth, site), Surrogate(site.profiles, DEMAND, truth.ring)
     soft = np.array([surrogate.at(layout, settings.temperatures[-1]) for layout in truth.layouts])
     key = truth.site, truth.depth_mm, settings.n_samples, seed
     if key not in rays:
         covered = [
-            site.visibility.from_angles(site.samples, truth.ring, layout).sum(axis=0) >= THRESHOLD
+            site.visibility.from_angles(site.samples, truth.ring, layout).sum(axis=0) >= DEMAND.threshold
             for layout in truth.layouts[::RAY_STRIDE]
         ]
         rays[key] = (
@@ -198,7 +196,7 @@ def sampling(truth: Truth, settings: Settings, seed: int, rays: dict) -> Samplin
 
 def hard_areas(truth: Truth, site: SampledSite) -> np.ndarray:
     """(L,) area [mm²] of the samples that each layout reconstructs."""
-    coverage = SampledCoverage(site.profiles, THRESHOLD, n_grid=4)  # its grid of angles is not used here
+    coverage = SampledCoverage(site.profiles, DEMAND, truth.ring, n_grid=4)  # its grid of angles is not used here
     return np.array([coverage.fraction(layout) for layout in truth.layouts])
 
 
@@ -208,11 +206,11 @@ def _gradient_seconds(surrogate: Surrogate, layout: np.ndarray, temperature: flo
     for _ in range(1 + TIMING_REPEATS):
         start = time.process_time()
         gradient(
-            jnp.asarray(layout), surrogate.points, jnp.asarray(temperature), surrogate.threshold
+            jnp.asarray(layout), surrogate.points, jnp.asarray(temperature), surrogate.demand.threshold
         ).block_until_ready()
         times.append(time.process_time() - start)
     return float(np.median(times[1:]))
 
 
 def _sampled(truth: Truth, settings: Settings, seed: int) -> SampledSite:
-    return sample_site(truth.mesh, truth.ring, THRESHOLD, truth.exclude, settings, seed)
+    return sample_site(truth.scene, truth.ring, DEMAND, settings, seed)

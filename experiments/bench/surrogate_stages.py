@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from experiments.bench.surrogate_accuracy import MIN_SEPARATION, THRESHOLD, Truth
+from experiments.bench.surrogate_accuracy import DEMAND, MIN_SEPARATION, Truth
 from placement.arcs import LayoutSpace
 from placement.constraints import Constraints
 from placement.descent import descend
@@ -35,10 +35,13 @@ def stages(
     truth: Truth, settings: Settings, sequences: Sequence[tuple[float, ...]], n_cameras: int, n_starts: int
 ) -> list[Stages]:
     """Search from the same random starts with each sequence of temperatures [rad]; times are without compiling."""
-    site = sample_site(truth.mesh, truth.ring, THRESHOLD, truth.exclude, settings)
+    site = sample_site(truth.scene, truth.ring, DEMAND, settings)
     # Shares of the ring maximum, as in a search: its tolerances are absolute.
     profiles = site.profiles.scaled(1 / site.ring_area)
-    surrogate, coverage = Surrogate(profiles, THRESHOLD), SampledCoverage(profiles, THRESHOLD, n_grid=4)
+    surrogate, coverage = (
+        Surrogate(profiles, DEMAND, truth.ring),
+        SampledCoverage(profiles, DEMAND, truth.ring, n_grid=4),
+    )
     space = LayoutSpace(truth.ring, n_cameras, Constraints(min_separation=MIN_SEPARATION))
     rng = np.random.default_rng(0)
     starts = np.stack([space.parameters(space.random(rng))[0] for _ in range(n_starts)])

@@ -83,15 +83,17 @@ def gradient_error(surrogate: Surrogate, layouts: Sequence[np.ndarray], temperat
 
     Examples
     --------
+    >>> import exact
     >>> from placement.profiles import RingProfiles
     >>> one_point = RingProfiles.of(np.array([[1.5], [0.0], [-1.5], [0.0]]), np.ones(1))
-    >>> gradient_error(Surrogate(one_point, threshold=2), [np.array([-0.5, 0.7])], temperature=0.3) < 1e-6
+    >>> surrogate = Surrogate(one_point, exact.Demand(), exact.Ring())
+    >>> gradient_error(surrogate, [np.array([-0.5, 0.7])], temperature=0.3) < 1e-6
     True
     """
     largest = 0.0
     for layout in layouts:
         slope = np.asarray(
-            gradient(jnp.asarray(layout), surrogate.points, jnp.asarray(temperature), surrogate.threshold)
+            gradient(jnp.asarray(layout), surrogate.points, jnp.asarray(temperature), surrogate.demand.threshold)
         )
         difference = np.empty_like(slope)
         for camera, step in enumerate(DIFFERENCE_STEP * np.eye(len(layout))):

@@ -18,17 +18,8 @@ RECONSTRUCTABLE = ("reconstructable.stl", "reconstructable.ply")
 FILES = (*RECONSTRUCTABLE, "coverage.ply", "coverage.glb")
 
 
-def coverage_parts(
-    mesh: trimesh.Trimesh, exclude: np.ndarray, result: exact.Reconstruction
-) -> dict[int, trimesh.Trimesh]:
+def coverage_parts(result: exact.Reconstruction) -> dict[int, trimesh.Trimesh]:
     """The surface by number of views: `exact.NOT_COUNTED`, 0, 1, .. up to the threshold, which stands for that or more.
-
-    Parameters
-    ----------
-    mesh : trimesh.Trimesh
-        The mesh that `result` is about.
-    exclude : (F,) bool
-        Faces that do not count.
 
     Returns
     -------
@@ -38,26 +29,25 @@ def coverage_parts(
     Examples
     --------
     >>> ring, plate = exact.Ring(), trimesh.creation.box((10, 10, 2))
-    >>> nothing = np.zeros(12, dtype=bool)
-    >>> parts = coverage_parts(plate, nothing, exact.evaluate(plate, ring.cameras(ring.equidistant(2))))
+    >>> parts = coverage_parts(exact.evaluate(plate, ring.cameras(ring.equidistant(2))))
     >>> {n_views: round(float(part.area), 6) for n_views, part in parts.items()}  # each sees a side, both the top
     {-1: 0.0, 0: 140.0, 1: 40.0, 2: 100.0}
     """
-    left_out = trimesh.Trimesh(mesh.vertices, mesh.faces[exclude], process=False)
+    mesh, counted = result.scene.mesh, result.scene.counted
+    left_out = trimesh.Trimesh(mesh.vertices, mesh.faces[~counted], process=False)
     left_out.remove_unreferenced_vertices()
-    counted = {n_views: result.to_mesh(n_views) for n_views in range(result.threshold + 1)}
-    return {exact.NOT_COUNTED: left_out, **counted}
+    by_views = {n_views: result.to_mesh(n_views) for n_views in range(result.threshold + 1)}
+    return {exact.NOT_COUNTED: left_out, **by_views}
 
 
-def write(folder: Path, mesh: trimesh.Trimesh, exclude: np.ndarray, result: exact.Reconstruction) -> tuple[str, ...]:
+def write(folder: Path, result: exact.Reconstruction) -> tuple[str, ...]:
     """Write `FILES` into `folder`; if nothing is reconstructable, without the two that would be empty.
 
     Parameters
     ----------
     folder : pathlib.Path
         Prepared by `output_folder`: what is there may be replaced.
-    mesh, exclude, result : trimesh.Trimesh, (F,) bool, exact.Reconstruction
-        As for `coverage_parts`.
+    result : exact.Reconstruction
 
     Returns
     -------
@@ -72,7 +62,7 @@ def write(folder: Path, mesh: trimesh.Trimesh, exclude: np.ndarray, result: exac
             continue
         with written_whole(folder / name) as temporary:
             part.export(temporary)
-    parts = coverage_parts(mesh, exclude, result)
+    parts = coverage_parts(result)
     palette = colours(result.threshold, result.threshold)
     with written_whole(folder / "coverage.ply") as temporary:
         _coloured(parts, palette).export(temporary)

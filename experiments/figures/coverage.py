@@ -1,7 +1,7 @@
 """coverage.png: the site from the cameras' side, coloured by the number of cameras that see each part, and the ring."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Patch
 
 import exact
-from exact.show import UNCOUNTED_COLOUR, add_surface, camera_above, colours
+from exact.show import TOO_NEAR, UNCOUNTED_COLOUR, add_surface, camera_above, colours, too_near
 from experiments.figures.text import figure_text
 from experiments.files.whole import written_whole
 
@@ -37,37 +37,33 @@ def display_camera(mesh: trimesh.Trimesh, ring: exact.Ring, faces: np.ndarray) -
 
 
 def write_coverage(
-    path: Path,
-    name: str,
-    mesh: trimesh.Trimesh,
-    ring: exact.Ring,
-    panels: Sequence[Panel],
-    threshold: int,
-    exclude: np.ndarray,
+    path: Path, name: str, scene: exact.Scene, ring: exact.Ring, panels: Sequence[Panel], demand: exact.Demand
 ) -> None:
     """Draw the panels side by side with one legend, and the ring from above, to a PNG file."""
     figure = Figure(figsize=(5.0 * len(panels) + 5.2, 6.7), dpi=150, layout="constrained")
     axes = figure.subplots(1, len(panels) + 1, width_ratios=[5.0] * len(panels) + [4.6])
-    shades = max(threshold, min(max(len(panel.angles) for panel in panels), MOST_SHADES))
-    palette = colours(shades, threshold)
+    shades = max(demand.threshold, min(max(len(panel.angles) for panel in panels), MOST_SHADES))
+    palette = colours(shades, demand.threshold)
     reconstructions = []
     for panel in panels:
         cameras = ring.cameras(panel.angles)
-        reconstructions.append(exact.evaluate(mesh, cameras, threshold=min(shades, len(cameras)), exclude=exclude))
+        # As many views as are told apart, not only as many as it takes.
+        told_apart = replace(demand, threshold=min(shades, len(cameras)))
+        reconstructions.append(exact.evaluate(scene, cameras, demand=told_apart))
     seen = np.any([result.level_face_areas[0] > 0 for result in reconstructions], axis=0)
-    camera = display_camera(mesh, ring, seen if seen.any() else ~exclude)
+    camera = display_camera(scene.mesh, ring, seen if seen.any() else scene.counted)
     shown: set[int] = set()
     for panel, reconstruction, ax in zip(panels, reconstructions, axes[:-1], strict=True):
-        shown |= add_surface(ax, reconstruction, camera, palette)
+        shown |= add_surface(ax, reconstruction, camera, palette, demand)
         _add_bar(ax, camera.fov[0] / 2)
         ax.set_title(figure_text(f"{panel.title}\n{panel.caption}"), fontsize=12)
     _ring_from_above(axes[-1], ring, panels)
     heading = f"{name}: which parts do the cameras see?  (seen from the ring, looking down)"
     figure.suptitle(figure_text(heading), fontsize=14)
     figure.legend(
-        handles=_legend(palette, shades, threshold, max(len(panel.angles) for panel in panels), shown),
+        handles=_legend(palette, shades, demand, max(len(panel.angles) for panel in panels), shown),
         loc="outside lower center", ncols=min(6, len(shown)), fontsize=11, frameon=False,
-        title=f"a point is reconstructable when at least {threshold} camera{'s see' if threshold > 1 else ' sees'} it",
+        title=f"a point is reconstructable when {demand.clause()}",
         title_fontsize=11,
     )  # fmt: skip
     with written_whole(path) as temporary:
@@ -82,15 +78,17 @@ def _add_bar(ax: Axes, half: float) -> None:
     ax.text(left, low + 0.03 * half, f"{bar:g} mm at the top", fontsize=9, va="bottom")
 
 
-def _legend(palette, shades: int, threshold: int, most: int, shown: set[int]) -> list[Patch]:
+def _legend(palette, shades: int, demand: exact.Demand, most: int, shown: set[int]) -> list[Patch]:
     handles = []
-    for count in sorted(shown - {exact.NOT_COUNTED}):
+    for count in sorted(shown - {exact.NOT_COUNTED, TOO_NEAR}):
         if count == 0:
             label = "no camera"
         else:
             label = f"{count}{' or more' if count == shades < most else ''} camera{'s' if count > 1 else ''}"
-            label += "" if count >= threshold else " (too few)"
+            label += "" if count >= demand.threshold else " (too few)"
         handles.append(Patch(facecolor=palette[count], edgecolor="black", linewidth=0.5, label=label))
+    if TOO_NEAR in shown:
+        handles.append(Patch(facecolor=palette[TOO_NEAR], edgecolor="black", linewidth=0.5, label=too_near(demand)))
     if exact.NOT_COUNTED in shown:
         handles.append(Patch(facecolor=UNCOUNTED_COLOUR, edgecolor="black", linewidth=0.5, label="not counted"))
     return handles

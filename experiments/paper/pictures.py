@@ -89,7 +89,7 @@ def picture(
     faces: list[np.ndarray] = []
     for level, n in enumerate(counts):
         # Only what fewer cameras leave open is looked at; the other faces hide what is behind them all the same.
-        found = exact.evaluate(mesh, ring.cameras(ring.equidistant(n)), THRESHOLD, exclude=~left)
+        found = exact.evaluate(mesh, ring.cameras(ring.equidistant(n)), threshold=THRESHOLD, exclude=~left)
         polygons, n_views, face = exact.seen_from(found, camera)
         new = n_views >= THRESHOLD
         parts.append(polygons[new])

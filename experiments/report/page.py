@@ -8,12 +8,13 @@ import numpy as np
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from plotly.offline import get_plotlyjs
 
+import exact
 import placement
 from experiments.files.errors import InputError
 from experiments.files.whole import written_whole
 from experiments.report import request_text as report_words
 from experiments.report.drawings import count_drawing, histogram_drawing, ring_drawing
-from experiments.report.scene import Scene, packed, scene
+from experiments.report.scene import DrawnSurface, drawn_surface, packed
 from experiments.request.layout_file import LayoutFile
 from experiments.tables.layouts import SHARES
 from experiments.tables.robustness import PAIRS_SHOWN_UNTIL, consensus_words
@@ -45,7 +46,7 @@ def check(made: LayoutFile) -> None:
         )
 
 
-def write(path: Path, made: LayoutFile, mesh, exclude: np.ndarray) -> None:
+def write(path: Path, made: LayoutFile, shown: exact.Scene) -> None:
     """Write the report of a layout.
 
     Parameters
@@ -53,10 +54,8 @@ def write(path: Path, made: LayoutFile, mesh, exclude: np.ndarray) -> None:
     path : pathlib.Path
         The page; count.csv beside it, if it is of the same request, is shown too.
     made : LayoutFile
-    mesh : trimesh.Trimesh
-        The first of the meshes that the layout was made for: the one that is shown.
-    exclude : (F,) ndarray of bool
-        Its faces that do not count.
+    shown : exact.Scene
+        The first of the meshes that the layout was made for, and what of it counts.
 
     Raises
     ------
@@ -64,16 +63,16 @@ def write(path: Path, made: LayoutFile, mesh, exclude: np.ndarray) -> None:
     """
     check(made)
     with written_whole(path) as temporary:
-        temporary.write_text(page(made, mesh, exclude, path.parent / "count.csv"), encoding="utf-8")
+        temporary.write_text(page(made, shown, path.parent / "count.csv"), encoding="utf-8")
 
 
-def page(made: LayoutFile, mesh, exclude: np.ndarray, count_table: Path) -> str:
+def page(made: LayoutFile, shown: exact.Scene, count_table: Path) -> str:
     """The report as HTML; whatever comes from files is shown as text."""
     content = made.content
     single = len(content["meshes"]) == 1 and content["poses"] is None
     ring_area = content["meshes"][0]["areas_of_poses_mm2"][0]["ring_maximum"] if content["falloff_mm"] is None else None
-    drawn = scene(mesh, made.ring, made.angles, made.threshold, exclude, made.min_baseline, ring_area)
-    layouts, angles = _layouts(made, mesh, exclude)
+    drawn = drawn_surface(shown, made.ring, made.angles, made.demand, ring_area)
+    layouts, angles = _layouts(made, shown)
     limits = content["constraints"]
     # Everything that is put into the page is escaped; what is packed is base64, which has nothing to escape.
     environment = Environment(
@@ -125,7 +124,7 @@ def page(made: LayoutFile, mesh, exclude: np.ndarray, count_table: Path) -> str:
     )
 
 
-def _layouts(made: LayoutFile, mesh, exclude: np.ndarray) -> tuple[list[dict[str, Any]], list]:
+def _layouts(made: LayoutFile, shown: exact.Scene) -> tuple[list[dict[str, Any]], list]:
     """Rows of the table of layouts; for the histogram, names, best angles [degrees] and weights of two of them."""
     content, n = made.content, len(made.angles)
     phase = np.radians(content["best_equidistant_phase_deg"])
@@ -137,9 +136,7 @@ def _layouts(made: LayoutFile, mesh, exclude: np.ndarray) -> tuple[list[dict[str
     rows, spreads = [], []
     fractions, limits = content["fractions_of_ring_maximum"], placement.Constraints(**content["constraints"])
     for kind, name, angles in kinds:
-        spread = placement.triangulation(
-            mesh, made.ring, angles, made.threshold, exclude, ANGLE_SAMPLES, min_baseline=made.min_baseline
-        )
+        spread = placement.triangulation(shown, made.ring, angles, demand=made.demand, n_samples=ANGLE_SAMPLES)
         rows.append(
             {
                 "name": name,
@@ -158,7 +155,7 @@ def _layouts(made: LayoutFile, mesh, exclude: np.ndarray) -> tuple[list[dict[str
     return rows, spreads
 
 
-def _cameras(made: LayoutFile, drawn: Scene) -> list[dict[str, Any]]:
+def _cameras(made: LayoutFile, drawn: DrawnSurface) -> list[dict[str, Any]]:
     """Rows of the table of cameras."""
     found = made.content.get("robustness")
     left = found["layouts"][-1]["fractions_without_camera"] if found else [None] * len(made.angles)

@@ -1,7 +1,7 @@
 """What a report says of the request: what was asked, and how to get the same layout again."""
 
 import shlex
-from dataclasses import fields
+from dataclasses import asdict, fields
 from typing import Any
 
 import numpy as np
@@ -35,11 +35,7 @@ def asked(made: LayoutFile) -> list[tuple[str, str]]:
     rows = [
         ("meshes" if several else "mesh", "; ".join(names)),
         ("cameras", str(content["n_cameras"])),
-        (
-            "a point counts when",
-            f"at least {made.threshold} camera{'s see' if made.threshold > 1 else ' sees'} it"
-            + (f", two of them at least {made.min_baseline:.4g} mm apart" if made.min_baseline > 0 else ""),
-        ),
+        ("a point counts when", made.demand.clause()),
         ("ring", f"{ring.diameter:g} mm wide, {ring.working_distance:g} mm from the focus at {_vector(ring.focus)} mm"),
         ("field of view", f"{width:g} x {height:g} mm at the focus"),
         ("smallest separation", f"{limits['min_separation']:g} mm"),
@@ -88,7 +84,7 @@ def rig(made: LayoutFile) -> str:
         "focus": ring.focus,
         "axis": ring.axis,
         "count": content["n_cameras"],
-        "threshold": made.threshold,
+        **asdict(made.demand),
         "min_separation": limits["min_separation"],
         "min_baseline": limits["min_baseline"],
         "min_angle_deg": _degrees([limits["min_angle"]])[0],

@@ -8,10 +8,9 @@ import gzip
 from dataclasses import dataclass
 
 import numpy as np
-import trimesh
 
 import exact
-from exact.show import UNCOUNTED_COLOUR, UNSEEN_COLOUR, colours
+from exact.show import TOO_NEAR_COLOUR, UNCOUNTED_COLOUR, UNSEEN_COLOUR, colours, too_near
 
 # From this number of views on, colours are not told apart any more.
 MOST_SHADES = 8
@@ -19,7 +18,7 @@ MOST_SHADES = 8
 STEPS = 65535
 # Room around what is seen, in parts of its greatest extent.
 MARGIN = 0.06
-BOTH_COLOUR, GAINED_COLOUR, LOST_COLOUR, CLOSE_COLOUR = "#b9d3e6", "#1a7f5a", "#c65b1c", "#d9a0c0"
+BOTH_COLOUR, GAINED_COLOUR, LOST_COLOUR = "#b9d3e6", "#1a7f5a", "#c65b1c"
 SEEN_COLOUR, MISSED_COLOUR = "#4d9ac4", "#a9a39a"
 
 
@@ -56,7 +55,7 @@ class Colouring:
 
 
 @dataclass(frozen=True, eq=False)
-class Scene:
+class DrawnSurface:
     """A surface with its colourings.
 
     Attributes
@@ -101,45 +100,39 @@ def packed(content: bytes) -> str:
     return base64.b64encode(gzip.compress(content, mtime=0)).decode("ascii")
 
 
-def scene(
-    mesh: trimesh.Trimesh,
+def drawn_surface(
+    scene: exact.Scene,
     ring: exact.Ring,
     angles: np.ndarray,
-    threshold: int,
-    exclude: np.ndarray,
-    min_baseline: float = 0.0,
+    demand: exact.Demand,
     ring_area: float | None = None,
-) -> Scene:
+) -> DrawnSurface:
     """A layout on a mesh beside the equidistant one.
 
     Parameters
     ----------
-    mesh : trimesh.Trimesh
+    scene : exact.Scene
     ring : exact.Ring
     angles : (M,) ndarray
         Ring angles [rad].
-    threshold : int
-    exclude : (F,) ndarray of bool
-        Faces that do not count.
-    min_baseline : float
-        Two of the cameras that see a point must be at least this far apart [mm].
+    demand : exact.Demand
+        What makes a point count.
     ring_area : float, optional
         Ring maximum, to tell fractions of it [mm²].
 
     Examples
     --------
     >>> plate = trimesh.creation.box((10, 10, 2))
-    >>> made = scene(plate, exact.Ring(), np.array([0.0, np.pi]), 2, np.zeros(12, dtype=bool))
+    >>> made = drawn_surface(exact.Scene(plate), exact.Ring(), np.array([0.0, np.pi]), exact.Demand())
     >>> [(colouring.name, len(colouring.shades)) for colouring in made.colourings]
     [('equidistant', 3), ('optimised', 3), ('difference', 2), ('camera 1', 2), ('camera 2', 2)]
     """
     n = len(angles)
     even, best = np.arange(2 * n) < n, np.arange(2 * n) >= n
     both = np.concatenate([ring.equidistant(n), angles])
-    sets = exact.view_sets(mesh, ring.cameras(both), exclude)
-    far = ring.separations(both) >= min_baseline - 1e-9 * ring.diameter if min_baseline > 0 else None
-    met_even, met_best = sets.met(threshold, even, far), sets.met(threshold, best, far)
-    vertices, triangles, of, nowhere, origin, step = _geometry(mesh, sets, exclude)
+    sets = exact.view_sets(scene, ring.cameras(both))
+    met_even, met_best = sets.met(demand=demand, cameras=even), sets.met(demand=demand, cameras=best)
+    vertices, triangles, of, nowhere, origin, step = _geometry(scene, sets)
     areas = np.concatenate([sets.areas, nowhere])
     seen = np.concatenate([sets.seen, np.zeros((2, 2 * n), dtype=bool)])
     never = np.zeros(2, dtype=bool)
@@ -162,11 +155,12 @@ def scene(
         return Colouring(name, caption, tuple(shades), np.searchsorted(used, kind)[of].astype(np.uint8))
 
     def views(name: str, cameras: np.ndarray, met: np.ndarray) -> Colouring:
+        threshold = demand.threshold
         shades = max(threshold, min(n, MOST_SHADES))
         palette = colours(shades, threshold)
-        table = [(_views_words(count, shades, n, threshold), _hex(palette[count])) for count in range(shades + 1)]
+        table = [(_views_words(count, shades, n, demand), _hex(palette[count])) for count in range(shades + 1)]
         count = np.minimum(seen[:, cameras].sum(axis=1), shades)
-        table.append(("seen by enough cameras, but too close together", CLOSE_COLOUR))
+        table.append((too_near(demand), TOO_NEAR_COLOUR))
         kind = np.where((count >= threshold) & ~met, shades + 1, count)
         area = float(areas[met].sum())
         part = f", {100 * area / ring_area:.2f} % of the ring maximum" if ring_area else ""
@@ -200,15 +194,15 @@ def scene(
     if len(shown):
         box = origin[:, None] + step * np.stack([shown.min(axis=0), shown.max(axis=0)], axis=1)
         frame = box + MARGIN * np.ptp(box, axis=1).max() * np.array([-1.0, 1.0])
-    return Scene(vertices, triangles, origin, step, frame, (*layouts, difference, *single), camera_areas)
+    return DrawnSurface(vertices, triangles, origin, step, frame, (*layouts, difference, *single), camera_areas)
 
 
-def _geometry(mesh: trimesh.Trimesh, sets: exact.ViewSets, exclude: np.ndarray):
+def _geometry(scene: exact.Scene, sets: exact.ViewSets):
     """Vertices in steps, triangles, the set of each, areas of what is in none [mm²], origin and step [mm].
 
     After the sets come the empty one and what does not count.
     """
-    parts = sets.to_mesh()
+    mesh, exclude, parts = scene.mesh, ~scene.counted, sets.to_mesh()
     left_out = np.asarray(mesh.faces)[exclude] + len(parts.vertices)
     points = np.concatenate([parts.vertices, mesh.vertices])
     triangles = np.concatenate([parts.faces, left_out])
@@ -226,10 +220,10 @@ def _geometry(mesh: trimesh.Trimesh, sets: exact.ViewSets, exclude: np.ndarray):
     return vertices[used].astype(np.uint16), index.reshape(-1, 3).astype(np.uint32), of, nowhere, origin, step
 
 
-def _views_words(count: int, shades: int, n_cameras: int, threshold: int) -> str:
+def _views_words(count: int, shades: int, n_cameras: int, demand: exact.Demand) -> str:
     more = " or more" if count == shades < n_cameras else ""
     cameras = f"{count or 'no'}{more} camera{'' if count == 1 and not more else 's'}" if count else "no camera"
-    return f"seen by {cameras}{' (too few)' if 0 < count < threshold else ''}"
+    return f"seen by {cameras}{' (too few)' if 0 < count < demand.threshold else ''}"
 
 
 def _hex(colour: np.ndarray) -> str:

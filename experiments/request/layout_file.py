@@ -2,7 +2,7 @@
 
 import difflib
 import json
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,6 +10,7 @@ import numpy as np
 import trimesh
 
 import exact
+from exact.requests import checked_demand, demand_keywords
 from experiments.files.errors import InputError
 from experiments.files.whole import written_whole
 from meshes import fingerprint
@@ -25,7 +26,7 @@ CONSTRAINTS = ("fixed", "forbidden", "min_angle", "min_baseline", "min_separatio
 RING = ("diameter_mm", "working_distance_mm", "fov_mm", "focus_mm", "axis")
 # All that any command has written into a layout file; another field is a slip of whoever edited it.
 FIELDS = (
-    "format", "version", "ring", "n_cameras", "threshold", "angles_deg", "angles_rad", "best_equidistant_phase_deg",
+    "format", "version", "ring", "n_cameras", "threshold", "demand", "angles_deg", "angles_rad", "best_equidistant_phase_deg",
     "areas_mm2", "fractions_of_ring_maximum", "smallest_separation_mm", "mesh", "meshes", "objective", "poses",
     "falloff_mm", "constraints", "certificate", "settings", "seed", "versions", "robustness",
 )  # fmt: skip
@@ -35,13 +36,12 @@ SAME_ANGLE = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class LayoutFile:
-    """What is read back from a layout file; `min_baseline` [mm] is that of its constraints, `content` all of it."""
+    """What is read back from a layout file; `demand` has the baseline of its constraints, `content` is all of it."""
 
     path: Path
     ring: exact.Ring
     angles: np.ndarray
-    threshold: int
-    min_baseline: float
+    demand: exact.Demand
     content: dict[str, Any]
 
     @property
@@ -93,6 +93,7 @@ def placement_content(found: "placement.Placement", asked: "Request") -> dict[st
         "ring": ring_content(found.ring),
         "n_cameras": found.n_cameras,
         "threshold": found.threshold,
+        "demand": asdict(found.demand),
         "angles_deg": np.degrees(found.angles).tolist(),
         "angles_rad": list(found.angles),
         "best_equidistant_phase_deg": float(np.degrees(found.best_equidistant_phase)),
@@ -190,17 +191,30 @@ def read(path: Path) -> LayoutFile:
         )
         angles = _angles(content)
         made.positions(angles)
-        min_baseline = _baseline(content, made)
+        demand = _demand(content, made, len(angles))
     except (exact.ExactError, InputError) as error:
         raise InputError(f"{path}: {error}") from error
+    return LayoutFile(path, made, angles, demand, content)
+
+
+def _demand(content: dict[str, Any], ring: exact.Ring, n_cameras: int) -> exact.Demand:
+    """What makes a point count: of baselines in "demand" and "constraints" the greater; a file need give neither."""
     threshold = content.get("threshold", 2)
-    if isinstance(threshold, bool) or not isinstance(threshold, int) or not 1 <= threshold <= len(angles):
-        raise InputError(f'{path}: "threshold" is {threshold!r}; it must be a whole number from 1 to {len(angles)}')
-    return LayoutFile(path, made, angles, threshold, min_baseline, content)
+    if isinstance(threshold, bool) or not isinstance(threshold, int) or not 1 <= threshold <= n_cameras:
+        raise InputError(f'"threshold" is {threshold!r}; it must be a whole number from 1 to {n_cameras}')
+    given = content.get("demand", {})
+    known = tuple(demand_keywords())
+    if not isinstance(given, dict) or not set(given) <= set(known):
+        raise InputError(f'"demand" is {str(given)[:80]}; it must give some of {", ".join(known)}')
+    if "threshold" in content and given.get("threshold", threshold) != threshold:
+        raise InputError(f'"threshold" is {threshold} and in "demand" {given["threshold"]!r}; leave one of them out')
+    demand = checked_demand({"threshold": threshold} | given)
+    demand.refuse_fewer(n_cameras)
+    return replace(demand, min_baseline=max(demand.min_baseline, _baseline(content, ring)))
 
 
 def _baseline(content: dict[str, Any], ring: exact.Ring) -> float:
-    """Least baseline [mm]; 0 for a file that says nothing of constraints, such as one written by hand."""
+    """Baseline of the constraints [mm]; 0 for a file that says nothing of them, such as one written by hand."""
     kept = content.get("constraints", {})
     if not isinstance(kept, dict) or not set(kept) <= set(CONSTRAINTS):
         raise InputError(f'"constraints" is {kept!r}; it must give some of {", ".join(CONSTRAINTS)}')

@@ -4,19 +4,14 @@ import os
 import warnings
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 import trimesh
 
-import exact
 import meshes
 from experiments.files.errors import InputError
 from experiments.terminal.console import note
 from experiments.terminal.progress import working
-
-if TYPE_CHECKING:  # at run time it would bring jax along, which a mesh alone does not need
-    from experiments.request.rig import Rig
 
 # Mesh files say nothing about it: the field of view of Wachter 2021 [mm].
 USUAL_FOV = (36.0, 24.0)
@@ -153,31 +148,3 @@ def exclusion(about: Subject, choice: str | None) -> Exclusion:
             )
         mask[int(word)] = True
     return Exclusion(mask, f"{mask.sum()} faces listed in {choice}, {mesh.area_faces[mask].sum():.2f} mm²")
-
-
-@dataclass(frozen=True, eq=False)
-class Request:
-    """One surface with the ring over it, all words understood."""
-
-    about: Subject
-    excluded: Exclusion
-    ring: exact.Ring
-    rig: "Rig"
-
-
-def request(name: str, depth: float | None, detail: str | None, rig: "Rig") -> Request:
-    """What a command is about: the mesh or site `name` under the ring of `rig` (see `rig_file.rig`).
-
-    Raises
-    ------
-    InputError, meshes.MeshError, exact.ExactError
-
-    Examples
-    --------
-    >>> from experiments import rig_file
-    >>> asked = request("circ_flat", None, "coarse", rig_file.rig(diameter=20.0))
-    >>> asked.about.name, asked.ring.diameter, bool(asked.excluded.mask.any())
-    ('circ_flat, depth 50 mm', 20.0, True)
-    """
-    about = subject(name, depth, detail, rig.repair, rig.scale)
-    return Request(about, exclusion(about, rig.exclude), rig.ring(about.fov), rig)

@@ -3,9 +3,6 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-import trimesh
-
 import exact
 import placement
 from experiments.files.errors import InputError
@@ -13,7 +10,7 @@ from experiments.files.ring_maximum_cache import RememberedAreas
 from experiments.request.meshes import Exclusion, Subject, exclusion, is_site, subject
 from experiments.request.rig import Rig
 from placement.arcs import LayoutSpace
-from placement.constraints import checked_threshold
+from placement.constraints import demanded
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,20 +21,15 @@ class Pose:
     ----------
     name : str
         Name of the mesh, with the number of the pose if there are several.
-    mesh : trimesh.Trimesh
-    excluded : (F,) ndarray of bool
-        Faces that do not count.
+    scene : exact.Scene
+        The mesh and what of it counts.
     weight : float
         How much it counts in the mean.
-    face_weights : (F,) ndarray or None
-        How much each face counts.
     """
 
     name: str
-    mesh: trimesh.Trimesh
-    excluded: np.ndarray
+    scene: exact.Scene
     weight: float
-    face_weights: np.ndarray | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,6 +76,11 @@ class Request:
         what = " and ".join(f"{number} {kind}" for number, kind in kinds if number > 1)
         return f"the ring maximum, {'the worst' if self.rig.objective == 'worst' else 'the mean'} of {what}"
 
+    @property
+    def demand(self) -> exact.Demand:
+        """What makes a point count, with the baseline that the constraints ask for."""
+        return demanded(self.rig.demand, self.rig.constraints, self.ring)
+
     def check_cameras(self, n_cameras: int) -> None:
         """Refuse a number of cameras that cannot meet the constraints, before anything is computed.
 
@@ -92,21 +89,18 @@ class Request:
         placement.PlacementError
         """
         space = LayoutSpace(self.ring, n_cameras, self.rig.constraints)
-        checked_threshold(self.rig.threshold, space.n_cameras, space.constraints)
+        demanded(self.rig.demand, space.constraints, self.ring, space.n_cameras)
 
     def problem(self, progress) -> placement.Problem:
         """The question to `placement`; `progress` is told what is being done."""
-        weighted = self.rig.falloff_mm is not None
         return placement.Problem(
-            [pose.mesh for pose in self.poses],
+            [pose.scene for pose in self.poses],
             self.ring,
-            self.rig.threshold,
-            [pose.excluded for pose in self.poses],
-            self.rig.settings,
-            self.rig.seed,
-            [pose.face_weights for pose in self.poses] if weighted else None,
-            [pose.weight for pose in self.poses],
-            self.rig.objective,  # type: ignore[arg-type] - checked by Problem
+            demand=self.rig.demand,
+            settings=self.rig.settings,
+            seed=self.rig.seed,
+            site_weights=[pose.weight for pose in self.poses],
+            objective=self.rig.objective,  # type: ignore[arg-type] - checked by Problem
             progress=progress,
             memory=RememberedAreas(),
         )
@@ -123,8 +117,8 @@ def request(names: Sequence[str], depth: float | None, detail: str | None, rig: 
 
     Examples
     --------
-    >>> from experiments import rig_file
-    >>> asked = request(["circ_flat@50", "circ_flat"], 100, "coarse", rig_file.rig(jitter=2, site_weights="1,3"))
+    >>> from experiments.request.rig import rig
+    >>> asked = request(["circ_flat@50", "circ_flat"], 100, "coarse", rig(jitter=2, site_weights="1,3"))
     >>> asked.subjects[1].name, asked.name, [pose.weight for pose in asked.poses]
     ('circ_flat, depth 100 mm', 'circ_flat, depth 50 mm and 1 more, 2 poses', [1.0, 1.0, 3.0, 3.0])
     """
@@ -148,7 +142,7 @@ def request(names: Sequence[str], depth: float | None, detail: str | None, rig: 
         for number, mesh in enumerate(turned, start=1):
             name = about.name if len(turned) == 1 else f"{about.name}, pose {number}"
             falling = None if rig.falloff_mm is None else placement.falloff(mesh, ring, rig.falloff_mm)
-            poses.append(Pose(name, mesh, left_out.mask, weight, falling))
+            poses.append(Pose(name, exact.Scene(mesh, exclude=left_out.mask, weights=falling), weight))
     return Request(subjects, excluded, weights, tuple(poses), ring, rig)
 
 

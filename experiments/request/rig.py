@@ -228,6 +228,11 @@ class Rig:
     tilt_deg: float
     shift_mm: float
 
+    @property
+    def demand(self) -> exact.Demand:
+        """What makes a point count."""
+        return exact.Demand(threshold=self.threshold)
+
     def ring(self, recommended_fov: tuple[float, float]) -> exact.Ring:
         """The ring; with the recommended field of view [mm] where none was asked for.
 

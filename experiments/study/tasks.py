@@ -76,7 +76,7 @@ def _problem(sites: tuple[tuple[str, int, str], ...], detail: str, objective, ce
     if certify:
         settings = replace(settings, exact_phases=PHASES, certificate_seconds=CERTIFICATE_SECONDS)
     masks = [meshes.top_surface(mesh) for mesh in built]
-    return placement.Problem(built, exact.Ring(), 2, masks, settings, objective=objective, workers=1)
+    return placement.Problem(built, exact.Ring(), exclude=masks, settings=settings, objective=objective, workers=1)
 
 
 def placed(
@@ -106,7 +106,7 @@ def placed(
     key = tuple((str(name), int(depth), str(mesh_hash)) for name, depth, mesh_hash in sites)
     problem = _problem(key, detail, objective, certify)
     constraints = placement.Constraints(min_separation, min_angle=float(np.radians(min_angle_deg)))
-    found = placement.place(problem, n_cameras, constraints, certify)
+    found = problem.optimise(n_cameras, constraints, certify=certify)
     certificate = found.certificate
     grid_fraction = None
     if certificate is not None and certificate.grid_angles is not None:
@@ -144,7 +144,7 @@ def equidistant(site: Sequence, detail: str, counts: Sequence[int]) -> dict[str,
     top = meshes.top_surface(mesh)
     most = placement.Settings().ring_cameras
     layouts = [ring.cameras(ring.equidistant(n)) for n in (*counts, most)]
-    *areas, whole = exact.areas(mesh, layouts, 2, top).tolist()
+    *areas, whole = exact.areas(mesh, layouts, exclude=top).tolist()
     return {"fractions": [area / whole for area in areas]}
 
 

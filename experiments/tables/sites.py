@@ -13,8 +13,6 @@ def headings(asked: Request, result: placement.Placement, of_cameras: str = "") 
 
     `of_cameras` says of how many cameras the layouts are, if all have as many: " of the 4".
     """
-    baseline = result.constraints.baseline(result.ring)
-    apart = f", two of them at least {baseline:.4g} mm apart" if baseline > 0 else ""
     lines = [
         f"{about.name}: {len(about.mesh.faces)} faces; not counted: {excluded.words}"
         for about, excluded in zip(asked.subjects, asked.excluded, strict=True)
@@ -30,10 +28,9 @@ def headings(asked: Request, result: placement.Placement, of_cameras: str = "") 
         lines.append(
             f"areas are weighted: a face {asked.rig.falloff_mm:g} mm from the focus counts half, one twice as far 1/16"
         )
-    who = f"{result.threshold}{of_cameras} camera{'s see' if result.threshold > 1 else ' sees'}"
     lines.append(
         f"ring maximum ({result.settings.ring_cameras} cameras): {result.ring_area / asked.n_poses:.2f} mm²; a point "
-        f"counts when at least {who} it{apart}"
+        f"counts when {result.demand.clause(of_cameras)}"
     )
     return lines
 

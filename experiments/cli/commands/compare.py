@@ -1,5 +1,6 @@
 """camring compare: several layouts scored on the same mesh."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,10 +11,12 @@ from experiments.figures.coverage import Panel, write_coverage
 from experiments.files.errors import InputError
 from experiments.files.whole import output_folder
 from experiments.request import layout_file
+from experiments.request.demand import overridden
 from experiments.request.meshes import exclusion, subject
 from experiments.tables import layouts as layout_table
 from experiments.terminal.console import note, print_json, terminal
 from experiments.terminal.progress import progress_bar
+from placement.ring_maximum import unbased
 
 OUTPUTS = ("layouts.csv", "coverage.png")
 # Equidistant cameras whose exact area is the ring maximum (Wachter 2021, Table A1).
@@ -45,47 +48,46 @@ def run(
                 f"{one.path} and {read[0].path} are layouts of different rings ({one.ring} and {read[0].ring}); "
                 "areas and fractions compare on one ring only: score each with camring evaluate --layout"
             )
-    threshold = read[0].threshold if threshold is None else threshold
-    # One demand for all, or their areas would not compare: the strictest that any of them was made for.
-    baseline = max(one.min_baseline for one in read) if min_baseline is None else min_baseline
+    # One demand for all, or their areas would not compare: of baselines the strictest that any of them was made for.
+    strictest = replace(read[0].demand, min_baseline=max(one.demand.min_baseline for one in read))
+    demand = overridden(strictest, {"threshold": threshold, "min_baseline": min_baseline})
     about = subject(mesh, depth, detail, repair, scale)
     for one in read:
         one.refuse_other_mesh(about.mesh, about.name, force)
     excluded = exclusion(about, exclude)
+    scene = exact.Scene(about.mesh, exclude=excluded.mask)
     if out is not None:
         output_folder(out, OUTPUTS, force)
     rig, rows = read[0].ring, []
     with progress_bar("scoring exactly", RING_CAMERAS + sum(len(one.angles) for one in read)) as advance:
 
-        def area(angles, apart: float) -> float:
-            cameras = rig.cameras(angles)
-            result = exact.evaluate(about.mesh, cameras, threshold, excluded.mask, apart, report=advance)
+        def area(angles, counted: exact.Demand) -> float:
+            result = exact.evaluate(scene, rig.cameras(angles), demand=counted, report=advance)
             refuse_unseen(about, result)
             return result.area
 
-        areas = [area(one.angles, baseline) for one in read]
-        maximum = area(rig.equidistant(RING_CAMERAS), 0.0)  # whatever the baseline
+        areas = [area(one.angles, demand) for one in read]
+        maximum = area(rig.equidistant(RING_CAMERAS), unbased(demand))
     for one, found in zip(read, areas, strict=True):
-        spread = placement.triangulation(about.mesh, rig, one.angles, threshold, excluded.mask, min_baseline=baseline)
+        spread = placement.triangulation(scene, rig, one.angles, demand=demand)
         gain = None if one is read[0] else (found - areas[0]) / maximum
         rows.append(layout_table.row(str(one.path), one.angles, found, found / maximum, gain, spread))
     content: dict[str, Any] = {
         "mesh": {"name": about.name, "excluded": excluded.words, "scale": scale},
         "ring": layout_file.ring_content(rig),
-        "threshold": threshold,
-        "min_baseline_mm": baseline,
+        "threshold": demand.threshold,
+        "min_baseline_mm": demand.min_baseline,
         "ring_maximum_mm2": maximum,
         "layouts": [layout_table.figures(row) for row in rows],
     }
     if as_json:
         print_json(content)
     else:
-        apart = f", two of them at least {baseline:.4g} mm apart" if baseline > 0 else ""
         console = terminal()
         console.print(
             f"{about.name}: {len(about.mesh.faces)} faces; not counted: {excluded.words}\n"
-            f"ring maximum ({RING_CAMERAS} cameras): {maximum:.2f} mm²; a point counts when at least {threshold} "
-            f"cameras see it{apart}",
+            f"ring maximum ({RING_CAMERAS} cameras): {maximum:.2f} mm²; a point counts when "
+            f"{demand.clause()}",
         )
         console.print(layout_table.layout_table(rows, "the first"))
     if out is None:
@@ -95,5 +97,5 @@ def run(
         Panel(row.name, row.angles, f"{row.area:.1f} mm², {100 * row.fraction:.2f} % of the ring maximum")
         for row in rows
     ]
-    write_coverage(out / OUTPUTS[1], about.name, about.mesh, rig, panels, threshold, excluded.mask)
+    write_coverage(out / OUTPUTS[1], about.name, scene, rig, panels, demand)
     note(f"wrote {', '.join(str(out / name) for name in OUTPUTS)}")

@@ -19,6 +19,7 @@ from experiments.request.target_fraction import checked_target, reach
 from experiments.tables.sites import headings
 from experiments.terminal.console import note, print_json, table, terminal
 from experiments.terminal.progress import progress_stages
+from placement.recommend import fewest_cameras
 
 TABLE, PICTURE, LAYOUT = OUTPUTS = ("count.csv", "count.png", "layout.json")
 
@@ -39,7 +40,7 @@ def run(
     """Try one number of cameras after another; print and write. `options` are those of the rig, by their keys."""
     checked_target(target)
     asked = request(meshes, depth, detail, rig_file.rig(rig_path, **options))
-    fewest = _fewest(asked)
+    fewest = fewest_cameras(asked.demand, asked.rig.constraints)
     if max_cameras < fewest:
         raise InputError(f"--max-cameras is {max_cameras}; it must be at least {fewest} for this request")
     asked.check_cameras(fewest)
@@ -80,13 +81,6 @@ def run(
     note(f"wrote {', '.join(str(out / name) for name in OUTPUTS if (out / name).exists())}")
     best = max((counted for counted in found.counts if counted.placement), key=lambda counted: counted.fraction or 0.0)
     reach(target, best.fraction or 0.0, f"the optimised {best.n_cameras} cameras")
-
-
-def _fewest(asked: Request) -> int:
-    """Cameras without which nothing could meet the request."""
-    constraints = asked.rig.constraints
-    pair = 2 if constraints.baseline(asked.ring) > 0 else 1
-    return max(asked.rig.threshold, len(constraints.fixed), pair)
 
 
 def figures(counted: placement.CountResult) -> dict[str, Any]:

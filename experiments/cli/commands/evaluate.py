@@ -11,12 +11,14 @@ from experiments.files.errors import InputError
 from experiments.files.whole import image_names, output_folder
 from experiments.request import layout_file
 from experiments.request import rig as rig_file
-from experiments.request.meshes import Request, Subject, request
+from experiments.request.demand import overridden
+from experiments.request.meshes import Subject
 from experiments.request.option_text import parse_angles
+from experiments.request.request import Request, request
 from experiments.request.target_fraction import checked_target, reach
 from experiments.terminal.console import note, print_json, table, terminal
 from experiments.terminal.progress import progress_bar
-from meshes import fingerprint
+from placement.ring_maximum import unbased
 
 OUTPUTS = ("reconstructable.stl", "reconstructable.ply", "coverage.ply", "coverage.glb", "evaluation.json")
 # Cameras nearer to each other than this [mm] are in one place: less than any mount moves.
@@ -26,12 +28,11 @@ RING_OPTIONS = ("fov", "diameter", "working_distance", "focus")
 
 @dataclass(frozen=True, eq=False)
 class _Cameras:
-    """Cameras on a ring, and when a point that they see counts."""
+    """Cameras on a ring, and what makes a point count."""
 
     ring: exact.Ring
     angles: np.ndarray
-    threshold: int
-    min_baseline: float
+    demand: exact.Demand
 
 
 def run(
@@ -61,13 +62,13 @@ def run(
         raise InputError(
             "a layout brings its own ring; leave --rig, --fov, --diameter, --working-distance and --focus out"
         )
-    asked = request(mesh, depth, detail, rig_file.rig(rig_path, **options))
+    asked = request([mesh], depth, detail, rig_file.rig(rig_path, **options))
     if layout is not None:
         cameras = _from_layout(layout, asked, options, force)
     else:
         listed = angles_deg is not None
         angles = np.radians(parse_angles(angles_deg)) if listed else asked.ring.equidistant(asked.rig.n_cameras)
-        cameras = _Cameras(asked.ring, angles, asked.rig.threshold, asked.rig.constraints.baseline(asked.ring))
+        cameras = _Cameras(asked.ring, angles, asked.demand)
     _warn_of_one_place(cameras)
     if out is not None:
         output_folder(out, OUTPUTS, force)
@@ -89,16 +90,13 @@ def run(
 def _from_layout(path: Path, asked: Request, options: dict[str, Any], force: bool) -> _Cameras:
     """What the file says, where no option says something else."""
     made = layout_file.read(path)
-    made.refuse_other_mesh(asked.about.mesh, asked.about.name, force)
-    threshold = made.threshold if options["threshold"] is None else options["threshold"]
-    asked_for = options["min_baseline"] is not None
-    baseline = asked.rig.constraints.baseline(made.ring) if asked_for else made.min_baseline
-    return _Cameras(made.ring, made.angles, threshold, baseline)
+    made.refuse_other_mesh(asked.subjects[0].mesh, asked.name, force)
+    return _Cameras(made.ring, made.angles, overridden(made.demand, options))
 
 
 def _warn_of_one_place(given: _Cameras) -> None:
     """Two cameras in one place are two views to the count, and none to triangulation."""
-    if given.threshold < 2 or given.min_baseline > 0:
+    if given.demand.threshold < 2 or given.demand.baseline > 0:
         return
     apart = given.ring.separations(given.angles) + np.where(np.tri(len(given.angles), dtype=bool), np.inf, 0.0)
     first, second = np.unravel_index(np.argmin(apart), apart.shape)
@@ -111,33 +109,32 @@ def _warn_of_one_place(given: _Cameras) -> None:
 
 def _evaluate(asked: Request, given: _Cameras, with_maximum: bool) -> tuple[exact.Reconstruction, dict[str, Any]]:
     """The reconstruction, and all figures as they stand in evaluation.json."""
-    mesh, excluded = asked.about.mesh, asked.excluded.mask
+    about, scene = asked.subjects[0], asked.poses[0].scene
     cameras = given.ring.cameras(given.angles)
     n_ring = asked.rig.settings.ring_cameras if with_maximum else 0
     with progress_bar("evaluating", 2 * len(cameras) + n_ring) as advance:
-        result = exact.evaluate(mesh, cameras, given.threshold, excluded, given.min_baseline, report=advance)
+        result = exact.evaluate(scene, cameras, demand=given.demand, report=advance)
         single = []
         for camera in cameras:
-            single.append(exact.evaluate(mesh, [camera], 1, excluded).area)
+            single.append(exact.evaluate(scene, [camera], threshold=1).area)
             advance(1)
-        refuse_unseen(asked.about, result)
+        refuse_unseen(about, result)
         maximum = None
         if with_maximum:
             around = given.ring.cameras(given.ring.equidistant(n_ring))
-            # The ring maximum does not depend on the baseline, so that fractions compare.
-            maximum = exact.evaluate(mesh, around, given.threshold, excluded, report=advance).area
+            maximum = exact.evaluate(scene, around, demand=unbased(given.demand), report=advance).area
     content = {
         "mesh": {
-            "name": asked.about.name,
-            "sha256": fingerprint(mesh),
-            "excluded": asked.excluded.words,
+            "name": about.name,
+            "sha256": scene.mesh_hash,
+            "excluded": asked.excluded[0].words,
             "scale": asked.rig.scale,
         },
         "ring": layout_file.ring_content(given.ring),
         "angles_rad": given.angles.tolist(),
         "angles_deg": np.degrees(given.angles).tolist(),
-        "threshold": given.threshold,
-        "min_baseline_mm": given.min_baseline,
+        "threshold": given.demand.threshold,
+        "min_baseline_mm": given.demand.min_baseline,
         "area_mm2": result.area,
         "level_areas_mm2": result.level_areas.tolist(),
         "camera_areas_mm2": single,
@@ -154,7 +151,7 @@ def _write(out: Path, asked: Request, result: exact.Reconstruction, content: dic
     )
 
     layout_file.write(out / "evaluation.json", content)
-    names = coverage_mesh.write(out, asked.about.mesh, asked.excluded.mask, result)
+    names = coverage_mesh.write(out, result)
     missing = "" if "reconstructable.stl" in names else "; nothing is reconstructable, so there is no mesh of it"
     note(f"wrote {', '.join(str(out / name) for name in (*names, 'evaluation.json'))}{missing}")
 
@@ -163,7 +160,7 @@ def _write_images(folder: Path, asked: Request, given: _Cameras) -> None:
     from experiments.figures.camera_images import write_camera_images  # matplotlib is heavy, and the rest needs none
 
     with progress_bar("drawing", len(given.angles)) as advance:
-        names = write_camera_images(folder, asked.about.name, asked.about.mesh, given.ring, given.angles, advance)
+        names = write_camera_images(folder, asked.name, asked.subjects[0].mesh, given.ring, given.angles, advance)
     note(f"wrote {folder / names[0]}{f' to {names[-1]}' if len(names) > 1 else ''}")
 
 
@@ -182,16 +179,13 @@ def refuse_unseen(about: Subject, result: exact.Reconstruction) -> None:
 
 def _print(asked: Request, angles: np.ndarray, result: exact.Reconstruction, content: dict[str, Any]) -> None:
     console = terminal()
-    console.print(f"{asked.about.name}: {len(asked.about.mesh.faces)} faces; not counted: {asked.excluded.words}")
+    console.print(f"{asked.name}: {len(asked.subjects[0].mesh.faces)} faces; not counted: {asked.excluded[0].words}")
     shown = table("seen by", "exact area [mm²]")
     for level, area in enumerate(result.level_areas, start=1):
         who = "at least 1 camera" if level == 1 else f"at least {level} cameras"
         shown.add_row(who, f"{area:.4f}")
-    if result.min_baseline > 0:
-        shown.add_row(
-            f"… two of them {result.min_baseline:g} mm apart",
-            f"{result.area:.4f}",
-        )
+    if result.demand.baseline > 0:
+        shown.add_row(f"… two of them {result.demand.baseline:.4g} mm apart", f"{result.area:.4f}")
     console.print(shown)
     shown = table("camera", "ring angle [degrees]", "exact area [mm²]")
     for number, (angle, area) in enumerate(zip(angles, content["camera_areas_mm2"], strict=True), start=1):

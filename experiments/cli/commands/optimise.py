@@ -9,7 +9,7 @@ import numpy as np
 
 import exact
 import placement
-from exact.coverage import start_processes
+from exact.workers import start_processes
 from experiments.exports import coverage_mesh, formats
 from experiments.exports.cameras import named_cameras
 from experiments.figures.coverage import Panel, write_coverage
@@ -65,7 +65,7 @@ def run(
             aside.submit(lambda: _kept(problem, asked, robust, asked.ring.equidistant(n_cameras))),
             aside.submit(lambda: _kept(problem, asked, robust, _best_equidistant(problem, asked))),
         ]
-        result = placement.place(problem, n_cameras, limits, asked.rig.certify, progress)
+        result = problem.optimise(n_cameras, limits, certify=asked.rig.certify, progress=progress)
         layouts = _layouts(result, asked)
         drawing = aside.submit(_draw, out / OUTPUTS[2], asked, result, (layouts[0], layouts[-1]))
         progress("faults and triangulation angles", 0, 1)
@@ -83,8 +83,7 @@ def run(
         if meshes_too:
             files += _write_meshes(out, asked, result)
         if with_report:
-            shown = asked.poses[0]
-            report.write(out / report.NAME, layout_file.read(out / OUTPUTS[0]), shown.mesh, shown.excluded)
+            report.write(out / report.NAME, layout_file.read(out / OUTPUTS[0]), asked.poses[0].scene)
             files += (report.NAME,)
     if as_json:
         print_json(content | {"layouts": [layout_table.figures(row) for row in rows]})
@@ -135,12 +134,9 @@ def _kept(
     """Triangulation angles of a layout, and what is left of it under faults."""
     found = placement.robustness(problem, angles, asked.rig.constraints) if robust else None
     n_samples = max(ANGLE_SAMPLES // len(asked.poses), LEAST_ANGLE_SAMPLES)
-    baseline = asked.rig.constraints.baseline(asked.ring)
     spread = placement.Triangulation.together(
         [
-            placement.triangulation(
-                pose.mesh, asked.ring, angles, asked.rig.threshold, pose.excluded, n_samples, min_baseline=baseline
-            )
+            placement.triangulation(pose.scene, asked.ring, angles, demand=asked.demand, n_samples=n_samples)
             for pose in asked.poses
         ]
     )
@@ -175,15 +171,12 @@ def _draw(path: Path, asked: Request, result: placement.Placement, layouts: Sequ
         )
         for layout in layouts
     ]  # fmt: skip
-    write_coverage(path, pose.name + which, pose.mesh, asked.ring, panels, asked.rig.threshold, pose.excluded)
+    write_coverage(path, pose.name + which, pose.scene, asked.ring, panels, result.demand)
 
 
 def _write_meshes(out: Path, asked: Request, result: placement.Placement) -> tuple[str, ...]:
     cameras = asked.ring.cameras(np.array(result.angles))
-    baseline = result.constraints.baseline(asked.ring)
-    first = asked.poses[0]
-    seen = exact.evaluate(first.mesh, cameras, result.threshold, first.excluded, baseline)
-    return coverage_mesh.write(out, first.mesh, first.excluded, seen)
+    return coverage_mesh.write(out, exact.evaluate(asked.poses[0].scene, cameras, demand=result.demand))
 
 
 def _print(asked: Request, result: placement.Placement, rows: list[layout_table.Row]) -> None:

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
+import exact
 import meshes
 from experiments.files.errors import InputError
 from experiments.files.whole import output_folder
@@ -25,9 +26,9 @@ def run(
     out = layout.parent if out is None else out
     output_folder(out, [report.NAME], force)
     about = _mesh(made, mesh, repair)
-    mask = _excluded(made, about, exclude)
+    shown = exact.Scene(about.mesh, exclude=_excluded(made, about, exclude))
     with working("writing the report"):
-        report.write(out / report.NAME, made, about.mesh, mask)
+        report.write(out / report.NAME, made, shown)
     if as_json:
         print_json({"files": [str(out / report.NAME)]})
     note(f"wrote {out / report.NAME}")

@@ -1,0 +1,152 @@
+"""Propose a layout: search on samples from many starts, score the distinct ends exactly, polish the best."""
+
+import time
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from placement.arcs import LayoutSpace
+from placement.certificate import Certificate, certify_samples, measure
+from placement.equidistant import compared_phases
+from placement.errors import PlacementError
+from placement.progress import Progress, nothing
+from placement.results import Candidate, Placement, SearchRecord, SiteResult, library_versions
+from placement.scoring import canonical, polish
+from placement.search import search
+
+if TYPE_CHECKING:
+    from placement.problem import Problem
+
+
+def bound(problem: "Problem", space: LayoutSpace, layout=None) -> Certificate:
+    """Bound what any layout of `space` can reconstruct, and the gap of `layout`, (M,) ring angles [rad], if given.
+
+    Raises
+    ------
+    PlacementError
+        If the request cannot be met, or `layout` is none that it bounds.
+    """
+    demand = problem.demanded(space.constraints, space.n_cameras)
+    if layout is not None:
+        _refuse_other(space, layout)
+    certificate = certify_samples(problem.profiles, space, demand, problem.settings, problem.sites.of)
+    return certificate if layout is None else measure(certificate, problem.profiles, layout, demand, problem.ring)
+
+
+def _refuse_other(space: LayoutSpace, layout) -> None:
+    """Refuse a layout that the bounds of `space` say nothing about."""
+    theta = np.asarray(layout, dtype=np.float64)
+    if theta.shape != (space.n_cameras,) or not np.isfinite(theta).all():
+        raise PlacementError(
+            f"layout is {layout!r}; the bound is for {space.n_cameras} cameras: give as many finite ring angles [rad], "
+            f"or ask for n_cameras={theta.size}"
+        )
+    if broken := space.constraints.violations(space.ring, theta):
+        raise PlacementError(
+            f"the bound is for layouts that meet the constraints, and {broken[0]}; change the layout or the constraints"
+        )
+
+
+def propose(
+    problem: "Problem", space: LayoutSpace, certify: bool = True, progress: Progress | None = None
+) -> Placement:
+    """Find the best layout of `space` for a `Problem`; result and errors as for `placement.optimise`."""
+    report = progress or nothing
+    settings, ring, profiles = problem.settings, problem.ring, problem.profiles
+    demand = problem.demanded(space.constraints, space.n_cameras)
+    scorer, (coverage, surrogate) = problem.scorer(space.constraints), problem.coverage(space.constraints)
+    clock = _Clock()
+
+    report("searching", 0, 1)
+    pool, counts = search(problem, space)
+    layouts = [("search", layout) for layout in pool[: settings.exact_candidates]]
+    clock.lap("search")
+
+    certificate = None
+    if certify:
+        report("bounding any layout", 0, 1)
+        certificate = certify_samples(
+            profiles, space, demand, settings, problem.sites.of, pool[: settings.exact_candidates]
+        )
+        if certificate.grid_angles is not None and space.allows(certificate.grid_angles):
+            layouts.append(("certificate", np.array(certificate.grid_angles)))
+        clock.lap("certificate")
+
+    phases = compared_phases(problem, space)
+    even = [ring.equidistant(space.n_cameras, phase) for phase in phases]
+    layouts += [("equidistant", layout) for layout in even if space.allows(layout)]
+    to_score = [layout for _, layout in layouts] + even
+    n_exact = len({canonical(layout).tobytes() for layout in to_score})
+    done, total = 0, len(problem.sites.members) * n_exact
+
+    def on_evaluation(steps: int) -> None:
+        nonlocal done
+        done += steps
+        report("scoring exactly", min(done, total), total)
+
+    scorer.many(to_score, on_evaluation)
+    report("scoring exactly", total, total)
+    clock.lap("scoring")
+    report("ring maximum", 0, 1)
+    _ = scorer.ring_areas
+    clock.lap("ring maximum")
+
+    def candidate(angles, origin: str) -> Candidate:
+        theta = canonical(angles)
+        return Candidate(
+            tuple(theta.tolist()), origin, surrogate.at(theta, settings.temperatures[-1]), coverage.fraction(theta),
+            scorer.fraction(theta), scorer.areas(theta),
+        )  # fmt: skip
+
+    scored = sorted((candidate(angles, origin) for origin, angles in layouts), key=lambda found: -found.fraction)
+    scored = list({found.angles: found for found in reversed(scored)}.values())[::-1]
+    n_moves = 0
+    if settings.polish_steps and space.n_free:
+        report("polishing", 0, 1)
+        polished, n_moves = polish(scorer, space, scored[0].angles, settings.polish_steps, settings.polish_sweeps)
+        n_exact += 1
+        if scorer.fraction(polished) > scored[0].fraction:
+            scored.insert(0, candidate(polished, "polish"))
+    clock.lap("polish")
+    report("polishing", 1, 1)
+
+    best = max(range(len(even)), key=lambda i: scorer.fraction(even[i]))
+    areas = zip(scored[0].areas, scorer.areas(even[0]), scorer.areas(even[best]), scorer.ring_areas, strict=True)
+    sites = tuple(
+        SiteResult(
+            *four_areas, site.share, site.scene.mesh_hash, int((~site.scene.counted).sum()), site.scene.is_weighted
+        )
+        for site, four_areas in zip(problem.sites.members, areas, strict=True)
+    )
+    return Placement(
+        angles=scored[0].angles,
+        fraction=scored[0].fraction,
+        equidistant_fraction=scorer.fraction(even[0]),
+        best_equidistant_fraction=scorer.fraction(even[best]),
+        best_equidistant_phase=phases[best],
+        sites=sites,
+        objective=problem.sites.objective,
+        candidates=tuple(scored),
+        certificate=None if certificate is None else measure(certificate, profiles, scored[0].angles, demand, ring),
+        search=SearchRecord(**counts, n_exact=n_exact, n_moves=n_moves, seconds=clock.seconds),
+        ring=ring,
+        n_cameras=space.n_cameras,
+        demand=demand,
+        constraints=space.constraints,
+        settings=settings,
+        seed=problem.seed,
+        versions=library_versions(),
+    )
+
+
+class _Clock:
+    """Seconds spent on each part, in order."""
+
+    def __init__(self):
+        self.seconds: dict[str, float] = {}
+        self._last = time.perf_counter()
+
+    def lap(self, name: str) -> None:
+        now = time.perf_counter()
+        self.seconds[name] = round(now - self._last, 3)
+        self._last = now
