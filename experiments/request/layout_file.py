@@ -26,8 +26,9 @@ CONSTRAINTS = ("fixed", "forbidden", "min_angle", "min_baseline", "min_separatio
 RING = ("diameter_mm", "working_distance_mm", "fov_mm", "focus_mm", "axis")
 # All that any command has written into a layout file; another field is a slip of whoever edited it.
 FIELDS = (
-    "format", "version", "ring", "n_cameras", "threshold", "demand", "angles_deg", "angles_rad", "best_equidistant_phase_deg",
-    "areas_mm2", "fractions_of_ring_maximum", "smallest_separation_mm", "mesh", "meshes", "objective", "poses",
+    "format", "version", "ring", "n_cameras", "threshold", "demand", "angles_deg", "angles_rad",
+    "best_equidistant_phase_deg", "areas_mm2", "fractions_of_ring_maximum", "smallest_separation_mm", "mesh", "meshes",
+    "objective", "poses",
     "falloff_mm", "constraints", "certificate", "settings", "seed", "versions", "robustness",
 )  # fmt: skip
 # Angles in degrees and in radians that differ by more than this [rad] were not meant to be the same.
