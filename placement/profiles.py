@@ -19,7 +19,7 @@ from embreex.mesh_construction import TriangleMesh
 from embreex.rtcore_scene import EmbreeScene
 
 import exact
-from exact.cameras import MOST_CAMERAS
+from exact.ring import MOST_CAMERAS
 from exact.whole_numbers import is_whole
 from placement.errors import PlacementError
 from placement.sampling import SurfaceSamples
