@@ -8,7 +8,7 @@ import shapely
 import trimesh
 
 from exact.cameras import Camera
-from exact.clipping import unite, whole_faces
+from exact.clipping import FILL_TOLERANCE, unite, whole_faces
 from exact.coverage import Demand, Tally, processes, tally
 from exact.errors import ExactError
 from exact.projection import image_polygons
@@ -224,10 +224,12 @@ def _reconstruction(
         in_pieces = np.bincount(seen.pieces.face[pieces], weights=piece_area[pieces], minlength=len(surface.faces))
         return np.where(faces, surface.areas, 0.0) + np.minimum(in_pieces, surface.areas)
 
+    filled = np.bincount(seen.pieces.face, weights=piece_area, minlength=len(surface.faces))
+    overlapping = int((filled > surface.areas * (1 + FILL_TOLERANCE)).sum())  # which `face_areas` cuts short
     levels = [
         face_areas(whole & (whole_count >= level), piece_count >= level) for level in range(1, demand.threshold + 1)
     ]
     return Reconstruction(
         demand.threshold, min_baseline, face_areas(whole_met, piece_met), np.stack(levels), weights,
-        seen.n_repairs, mesh, tuple(cameras), surface, seen, counted, whole_met, piece_met,
+        seen.n_repairs + overlapping, mesh, tuple(cameras), surface, seen, counted, whole_met, piece_met,
     )  # fmt: skip

@@ -74,7 +74,8 @@ class Reconstruction:
     weights : (F,) float or None
         Factor by which each face's area counts in `area` and `level_areas`; None counts each fully.
     repairs : int
-        How often rounding made a step fail its own check so that it was done again in a robust way.
+        How often rounding made a step fail its own check so that it was done again in a robust way, and on how many
+        faces pieces overlapped so that their sum was cut short.
     """
 
     threshold: int

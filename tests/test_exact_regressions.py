@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import shapely
 import trimesh
-from scenes import AWKWARD, above
+from scenes import AWKWARD, above, rectangle
 
 import exact
 import meshes
@@ -47,6 +47,39 @@ def test_two_cameras_in_each_of_two_places(places):
     twice = exact.evaluate(mesh, ring.cameras(np.repeat(places, 2)), 2, top)
     once = exact.evaluate(mesh, ring.cameras(places), 1, top)
     assert twice.area == pytest.approx(once.area, rel=1e-9)
+
+
+def test_a_part_lost_from_a_small_piece_of_a_large_face_is_noticed(monkeypatch):
+    """Of a face of ten kilometres the cameras see 1e-11: too little for a tolerance in parts of the face."""
+    union_all = shapely.union_all
+
+    def forgetful(geometries, grid_size=None, **options):
+        united = union_all(geometries, grid_size=grid_size, **options)
+        if grid_size is None:  # as GEOS does now and then, without a word
+            parts = [shapely.get_parts(one) for one in united]
+            lost = [k for k, one in enumerate(parts) if len(one) > 1 and shapely.area(one).all()]
+            united[lost] = [parts[k][0] for k in lost]
+        return united
+
+    monkeypatch.setattr(shapely, "union_all", forgetful)
+    plain = rectangle((-5e6, 5e6), (-5e6, 5e6))
+    result = exact.evaluate(plain, [above(x, fov=(40, 40)) for x in (0.0, 10.0, 20.0)], 2)
+    assert result.area == pytest.approx(40 * 40, rel=1e-6)
+    assert result.repairs > 0
+
+
+def test_pieces_that_overlap_are_counted(monkeypatch):
+    """Each cut may give a little more than there was; what adds up to more than the face is said, not hidden."""
+    polygonize, plain = shapely.polygonize, rectangle((-50, 50), (-50, 50))
+    cameras = [above(x, fov=(60, 60)) for x in (-3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0)]
+    assert exact.evaluate(plain, cameras, 7).repairs == 0
+    slightly = np.array([1 + 6e-11, 1.0])
+    monkeypatch.setattr(
+        shapely,
+        "polygonize",
+        lambda *lines, **options: shapely.transform(polygonize(*lines, **options), slightly.__mul__),
+    )
+    assert exact.evaluate(plain, cameras, 7).repairs == 2  # its two faces
 
 
 @pytest.mark.parametrize(
