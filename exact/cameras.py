@@ -1,42 +1,30 @@
-r"""Pinhole cameras, alone or on a ring (Wachter 2021, section 2.2, Eq. 1 to 4).
-
-::
-
-                 P  (0, 0, r^2/h) above F: every up vector points here
-                 |
-        C_2 ---- + ---- C_1     ring, diameter d, centre h above F
-           \     |     /
-            \    h    /  r = sqrt(h^2 + (d/2)^2)
-             \   |   /
-              \  |  /
-                 F              focus: all cameras look here
+"""Pinhole cameras (Wachter 2021, section 2.2, Eq. 1 to 4).
 
 Lengths in millimetres, angles in radians, right-handed axes, float64.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
 from exact.errors import ExactError
-from exact.whole_numbers import is_whole
 
-# Lengths and coordinates of rings [mm]. Beyond, squares overflow or vanish, and a ring far off falls onto its focus.
+# Lengths and coordinates [mm]. Beyond, squares overflow or vanish, and a ring far off falls onto its focus.
 SHORTEST, LONGEST = 1e-9, 1e9
-# A larger ring angle [rad] is damage: its rounding alone would move a camera.
-LARGEST_ANGLE = 1e6
-# On one ring. Wachter 2021 takes 360 for all there is to see; tables of pairs of cameras grow with the square.
-MOST_CAMERAS = 10_000
+# Farther off [mm] no camera stands: one on the longest ring at the farthest focus is nearer.
+FARTHEST = 4 * LONGEST
+# A rotation written with single precision is still one; a scale or a mirror image is not.
+ROTATION_TOLERANCE = 1e-6
 
 
-def _finite_vector(name: str, value, length: int) -> np.ndarray:
-    """`value` as a read-only float64 vector of `length` finite numbers."""
+def finite_vector(name: str, value, n_numbers: int) -> np.ndarray:
+    """`value` as a read-only float64 vector of `n_numbers` finite numbers."""
     try:
         vector = np.array(value, dtype=np.float64)
     except (TypeError, ValueError, OverflowError) as error:
-        raise ExactError(f"{name} is {value!r}; it must be {length} numbers") from error
-    if vector.shape != (length,) or not np.isfinite(vector).all():
-        raise ExactError(f"{name} is {value!r}; it must be {length} finite numbers")
+        raise ExactError(f"{name} is {value!r}; it must be {n_numbers} numbers") from error
+    if vector.shape != (n_numbers,) or not np.isfinite(vector).all():
+        raise ExactError(f"{name} is {value!r}; it must be {n_numbers} finite numbers")
     vector.flags.writeable = False
     return vector
 
@@ -57,7 +45,7 @@ def _positive(name: str, value, unit: str) -> float:
     return number
 
 
-def _length(name: str, value) -> float:
+def length(name: str, value) -> float:
     """`value` as a length [mm] that can be reckoned with."""
     number = _positive(name, value, "mm")
     if not SHORTEST <= number <= LONGEST:
@@ -65,11 +53,36 @@ def _length(name: str, value) -> float:
     return number
 
 
+def _position(name: str, value) -> np.ndarray:
+    """`value` as a read-only point [mm] that can be reckoned with."""
+    point = finite_vector(name, value, 3)
+    if np.abs(point).max() > FARTHEST:
+        raise ExactError(f"{name} is {tuple(point.tolist())}; each coordinate must be at most {FARTHEST:g} [mm]")
+    return point
+
+
+def _is_rotation(matrix: np.ndarray) -> bool:
+    """Whether a finite matrix turns space and does nothing else."""
+    turned = matrix.shape == (3, 3) and np.isfinite(matrix).all() and (np.abs(matrix) < 2).all()
+    return bool(
+        turned and np.allclose(matrix @ matrix.T, np.eye(3), atol=ROTATION_TOLERANCE) and np.linalg.det(matrix) > 0
+    )
+
+
+def _matrix(value) -> np.ndarray:
+    """`value` as a float64 array of its own, empty if it holds no numbers."""
+    try:
+        return np.array(value, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError):
+        return np.zeros(0)
+
+
 @dataclass(frozen=True, eq=False)
 class Camera:
     """A pinhole camera with a rectangular field of view.
 
-    Build one with `Camera.look_at`, or `Ring.cameras` for a whole ring.
+    Build one with `Camera.look_at`, or `Ring.cameras` for a whole ring. Its arrays are copies of those given, and
+    cannot be written to.
 
     Attributes
     ----------
@@ -84,6 +97,22 @@ class Camera:
         through the target perpendicular to the optical axis [mm].
     resolution : (2,) ndarray
         Pixels along right and down. It scales `intrinsic`; it never changes an area.
+
+    Raises
+    ------
+    ExactError
+        If an array has the wrong shape or is not finite, a length or a number of pixels is not positive, a coordinate
+        is larger than 4e9 mm, or `rotation` is none.
+
+    Examples
+    --------
+    >>> camera = Camera([0, 0, 400], [[1, 0, 0], [0, -1, 0], [0, 0, -1]], 400, (36, 24), (3600, 2400))
+    >>> camera.project([[18.0, 12.0, 0.0]])
+    array([[3600.,    0.]])
+    >>> Camera([0, 0, 400], np.eye(2), 400, (36, 24), (3600, 2400))  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+        ...
+    exact.errors.ExactError: camera rotation is an array of shape (2, 2), ...
     """
 
     position: np.ndarray
@@ -91,6 +120,32 @@ class Camera:
     target_distance: float
     fov: np.ndarray
     resolution: np.ndarray
+
+    def __post_init__(self):
+        def put(name, value):
+            object.__setattr__(self, name, value)
+
+        put("position", _position("camera position", self.position))
+        rotation = _matrix(self.rotation)
+        if not _is_rotation(rotation):
+            raise ExactError(
+                f"camera rotation is an array of shape {rotation.shape}, {rotation.tolist()}; it must be a (3, 3) "
+                "rotation, whose rows are the camera's axes right, down and look: Camera.look_at makes one"
+            )
+        rotation.flags.writeable = False
+        put("rotation", rotation)
+        distance = _positive("target distance", self.target_distance, "mm")
+        if distance > FARTHEST:
+            raise ExactError(f"target distance is {distance:g} mm; it must be at most {FARTHEST:g} [mm]")
+        put("target_distance", distance)
+        put("fov", finite_vector("fov", self.fov, 2))
+        for name, side in zip(("fov width", "fov height"), self.fov, strict=True):
+            _positive(name, side, "mm")
+        put("resolution", finite_vector("resolution", self.resolution, 2))
+        if (self.resolution <= 0).any():
+            raise ExactError(
+                f"resolution is {tuple(self.resolution.tolist())}; both numbers of pixels must be positive"
+            )
 
     @staticmethod
     def look_at(position, target, up, fov=(36.0, 24.0), resolution=(3600, 2400)) -> "Camera":
@@ -120,14 +175,8 @@ class Camera:
         >>> camera.project([[18.0, 12.0, 0.0]])  # the upper right corner of the field of view [pixels]
         array([[3600.,    0.]])
         """
-        position = _finite_vector("camera position", position, 3)
-        target = _finite_vector("camera target", target, 3)
-        up = _finite_vector("camera up vector", up, 3)
-        width, height = _finite_vector("fov", fov, 2)
-        size = np.array([_positive("fov width", width, "mm"), _positive("fov height", height, "mm")])
-        pixels = _finite_vector("resolution", resolution, 2)
-        if (pixels <= 0).any():
-            raise ExactError(f"resolution is {resolution!r}; both numbers of pixels must be positive")
+        position, target = _position("camera position", position), _position("camera target", target)
+        up = finite_vector("camera up vector", up, 3)
         distance = float(np.linalg.norm(target - position))
         if distance == 0.0:
             raise ExactError(f"camera position and target are both {tuple(position.tolist())}; they must differ")
@@ -141,9 +190,7 @@ class Camera:
             )
         right = right / np.linalg.norm(right)
         rotation = np.stack([right, np.cross(look, right), look]) + 0.0  # + 0.0 turns -0.0 into 0.0
-        for array in (rotation, size):
-            array.flags.writeable = False
-        return Camera(position, rotation, distance, size, pixels)
+        return Camera(position, rotation, distance, fov, resolution)
 
     @property
     def half_extent(self) -> np.ndarray:
@@ -208,159 +255,11 @@ class Camera:
         >>> camera.moved(shift).position
         array([ 10.,   0., 400.])
         """
-        matrix = np.array(rigid, dtype=np.float64)
-        # A rotation written with single precision is still one; a scale or a mirror image is not.
-        rotation_tolerance = 1e-6
-        is_rigid = matrix.shape == (4, 4) and np.allclose(matrix[3], [0, 0, 0, 1], atol=0)
-        is_rigid = is_rigid and np.allclose(matrix[:3, :3] @ matrix[:3, :3].T, np.eye(3), atol=rotation_tolerance)
-        if not (is_rigid and np.linalg.det(matrix[:3, :3]) > 0 and np.isfinite(matrix).all()):
+        matrix = _matrix(rigid)
+        is_rigid = matrix.shape == (4, 4) and np.isfinite(matrix).all()
+        is_rigid = is_rigid and np.allclose(matrix[3], [0, 0, 0, 1], atol=0) and _is_rotation(matrix[:3, :3])
+        if not is_rigid:
             raise ExactError("Camera.moved needs a rigid (4, 4) matrix: a rotation and a shift, nothing else")
         position = matrix[:3, :3] @ self.position + matrix[:3, 3]
         rotation = self.rotation @ matrix[:3, :3].T
         return Camera(position, rotation, self.target_distance, self.fov, self.resolution)
-
-
-@dataclass(frozen=True)
-class Ring:
-    """A circle of cameras that all look at one point, the focus.
-
-    Parameters
-    ----------
-    diameter : float
-        Diameter of the ring [mm].
-    working_distance : float
-        Distance of the ring's plane from the focus, along the axis [mm].
-    fov : (2,) tuple of float
-        Field of view in the plane through the focus perpendicular to each optical axis:
-        width (tangential) and height (radial) [mm]. It turns with the ring angle.
-    focus : (3,) tuple of float
-        The point all cameras look at [mm].
-    axis : (3,) tuple of float
-        Direction from the focus to the ring's centre. Ring angle 0 lies towards +x, or, for an axis that is not
-        +z, where the shortest rotation that takes +z to the axis carries +x.
-
-    Raises
-    ------
-    ExactError
-        If a length is not positive, one is shorter than 1e-9 or longer than 1e9 mm, or a vector is not finite.
-
-    Examples
-    --------
-    >>> ring = Ring()
-    >>> ring.positions([0.0])
-    array([[ 15.,   0., 400.]])
-    >>> cameras = ring.cameras(ring.equidistant(4))
-    >>> len(cameras)
-    4
-    """
-
-    diameter: float = 30.0
-    working_distance: float = 400.0
-    fov: tuple[float, float] = (36.0, 24.0)
-    focus: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
-    _frame: np.ndarray = field(init=False, repr=False, compare=False)
-
-    def __post_init__(self):
-        def put(name, value):
-            object.__setattr__(self, name, value)
-
-        put("diameter", _length("ring diameter", self.diameter))
-        put("working_distance", _length("working distance", self.working_distance))
-        width, height = _finite_vector("fov", self.fov, 2)
-        put("fov", (_length("fov width", width), _length("fov height", height)))
-        focus = _finite_vector("focus", self.focus, 3)
-        if np.abs(focus).max() > LONGEST:
-            raise ExactError(f"focus is {tuple(focus.tolist())}; each coordinate must be at most {LONGEST:g} [mm]")
-        put("focus", tuple(focus.tolist()))
-        axis = _finite_vector("ring axis", self.axis, 3)
-        if not axis.any():
-            raise ExactError("ring axis is the zero vector; give the direction from the focus to the ring")
-        put("axis", tuple(axis.tolist()))
-        if not SHORTEST <= np.linalg.norm(axis) <= LONGEST:
-            axis = axis / np.abs(axis).max()  # its square may have overflowed or vanished
-        put("_frame", _rotation_from_z(axis / np.linalg.norm(axis)))
-
-    def equidistant(self, n_cameras: int, phase: float = 0.0) -> np.ndarray:
-        """Ring angles of `n_cameras` evenly spaced cameras: phase + 2 pi i / n, i = 1..n.
-
-        Returns
-        -------
-        (n_cameras,) ndarray
-            Ring angles [rad].
-
-        Examples
-        --------
-        >>> np.degrees(Ring().equidistant(4)).tolist()
-        [90.0, 180.0, 270.0, 360.0]
-        """
-        if not (is_whole(n_cameras) and n_cameras >= 1):
-            raise ExactError(f"number of cameras is {n_cameras}; it must be a whole number, at least 1")
-        if n_cameras > MOST_CAMERAS:
-            raise ExactError(f"number of cameras is {n_cameras}; it must be at most {MOST_CAMERAS}")
-        return phase + 2 * np.pi * np.arange(1, int(n_cameras) + 1) / int(n_cameras)
-
-    def positions(self, angles) -> np.ndarray:
-        """Camera centres.
-
-        Parameters
-        ----------
-        angles : (M,) array_like
-            Ring angles [rad].
-
-        Returns
-        -------
-        (M, 3) ndarray
-            World points [mm]: F + (d/2 cos, d/2 sin, h) in the ring's own frame.
-        """
-        theta = _checked_angles(angles)
-        radius = self.diameter / 2
-        local = np.stack(
-            [radius * np.cos(theta), radius * np.sin(theta), np.full_like(theta, self.working_distance)], axis=1
-        )
-        return np.array(self.focus) + local @ self._frame.T
-
-    def cameras(self, angles) -> tuple[Camera, ...]:
-        """One camera at each of the (M,) ring angles [rad], all looking at the focus.
-
-        Each up vector points to where the plane perpendicular to the optical axis meets the ring's axis, so that
-        the image's width is tangential to the ring and its height radial (Wachter 2021, section 2.2).
-        """
-        focus = np.array(self.focus)
-        distance_squared = self.working_distance**2 + (self.diameter / 2) ** 2
-        apex = focus + self._frame[:, 2] * (distance_squared / self.working_distance)
-        return tuple(
-            Camera.look_at(position, focus, up=apex - position, fov=self.fov) for position in self.positions(angles)
-        )
-
-    def separations(self, angles) -> np.ndarray:
-        """(M, M) chords between all pairs of the (M,) ring angles [mm]."""
-        theta = _checked_angles(angles)
-        return self.diameter * np.abs(np.sin((theta[:, None] - theta[None, :]) / 2))
-
-
-def _checked_angles(angles) -> np.ndarray:
-    theta = np.atleast_1d(np.asarray(angles, dtype=np.float64))
-    if theta.ndim != 1 or len(theta) == 0:
-        raise ExactError(f"ring angles have shape {theta.shape}; they must be one row of at least one angle [rad]")
-    if not np.isfinite(theta).all():
-        raise ExactError(f"ring angles {theta.tolist()} are not all finite [rad]")
-    if len(theta) > MOST_CAMERAS:
-        raise ExactError(f"there are {len(theta)} ring angles; a ring holds at most {MOST_CAMERAS} cameras")
-    worst = int(np.argmax(np.abs(theta)))
-    if abs(theta[worst]) > LARGEST_ANGLE:
-        raise ExactError(
-            f"ring angle {worst + 1} is {theta[worst]:g} rad; angles must be at most {LARGEST_ANGLE:g} rad to and fro"
-        )
-    return theta
-
-
-def _rotation_from_z(direction: np.ndarray) -> np.ndarray:
-    """(3, 3) the shortest rotation that takes +z to the unit vector `direction`."""
-    x, y, z = direction
-    if z < 0 and x == 0 and y == 0:
-        return np.diag([1.0, -1.0, -1.0])  # half a turn about +x; every half turn is as short
-    skew = np.array([[0.0, 0.0, x], [0.0, 0.0, y], [-x, -y, 0.0]])  # of the vector z cross direction
-    # Rodrigues' formula with the factor (1 - cos)/sin^2 = 1/(1 + cos); near -z written without cancellation.
-    factor = 1 / (1 + z) if z > 0 else (1 - z) / (x * x + y * y)
-    return np.eye(3) + skew + factor * (skew @ skew)

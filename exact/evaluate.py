@@ -9,7 +9,7 @@ import shapely
 import trimesh
 
 from exact.cameras import Camera
-from exact.clipping import unite, whole_faces
+from exact.clipping import FILL_TOLERANCE, unite, whole_faces
 from exact.coverage import Tally, tally
 from exact.demand import Criterion
 from exact.errors import ExactError
@@ -135,8 +135,8 @@ def evaluate(
     levels = [_met(scene, seen, Criterion(level)) for level in range(1, demand.threshold + 1)]
     return Reconstruction(
         scene, demand, _face_areas(scene, seen, whole_met, piece_met),
-        np.stack([_face_areas(scene, seen, *level) for level in levels]), seen.n_repairs, cameras, seen, whole_met,
-        piece_met,
+        np.stack([_face_areas(scene, seen, *level) for level in levels]),
+        seen.n_repairs + _overlapping(scene, seen), cameras, seen, whole_met, piece_met,
     )  # fmt: skip
 
 
@@ -219,3 +219,10 @@ def _face_areas(scene: Scene, seen: Tally, whole: np.ndarray, pieces: np.ndarray
     areas, face = scene.surface.areas, seen.pieces.face[pieces]
     piece_areas = 2 * areas[face] * shapely.area(seen.pieces.polygon[pieces])
     return np.where(whole, areas, 0.0) + np.minimum(np.bincount(face, piece_areas, minlength=len(areas)), areas)
+
+
+def _overlapping(scene: Scene, seen: Tally) -> int:
+    """Faces whose pieces overlap by more than rounding, which `_face_areas` cuts short."""
+    areas, face = scene.surface.areas, seen.pieces.face
+    filled = np.bincount(face, 2 * areas[face] * shapely.area(seen.pieces.polygon), minlength=len(areas))
+    return int((filled > areas * (1 + FILL_TOLERANCE)).sum())

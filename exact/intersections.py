@@ -35,12 +35,15 @@ class Intersections:
         The face that cuts it.
     start, end : (N, 2) float
         Ends of the segment in the face's own coordinates (b1, b2), lengthened by `OVERSHOOT`.
+    is_point : (N,) bool
+        Whether the faces only touch: the segment's own length is none, up to `TOUCHING`.
     """
 
     face: np.ndarray
     other: np.ndarray
     start: np.ndarray
     end: np.ndarray
+    is_point: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +53,7 @@ class Planes:
     Attributes
     ----------
     centre : (3,) float
-        Mean of the vertices [mm].
+        Mean of the vertices that faces with area use [mm].
     vertices : (V, 3) float
         Relative to the centre [mm].
     faces : (F, 3) int
@@ -126,8 +129,9 @@ def intersecting_faces(planes: Planes) -> Intersections:
     length = np.linalg.norm(along, axis=1, keepdims=True)
     # A mere touching point becomes a tiny segment, which cuts nothing off.
     extra = OVERSHOOT * np.divide(along, length, out=np.zeros_like(along), where=length > 0)
+    is_point = np.tile(high - low <= touching, 2)
     order = np.argsort(face, kind="stable")
-    return Intersections(face[order], other[order], (start - extra)[order], (end + extra)[order])
+    return Intersections(face[order], other[order], (start - extra)[order], (end + extra)[order], is_point[order])
 
 
 def _close_pairs(vertices, faces, kept, margin):

@@ -74,7 +74,8 @@ class Reconstruction:
     level_face_areas : (threshold, F) float
         Area of each face seen by at least 1, 2, .. `threshold` cameras [mm²].
     repairs : int
-        How often rounding made a step fail its own check so that it was done again in a robust way.
+        How often rounding made a step fail its own check so that it was done again in a robust way, and on how many
+        faces pieces overlapped so that their sum was cut short.
     """
 
     scene: Scene = field(repr=False)

@@ -24,9 +24,10 @@ class Surface:
     Attributes
     ----------
     vertices : (V, 3) float
-        Distinct points [mm]; vertices of the mesh in the very same place are one.
+        Distinct corners of faces with area [mm]; vertices of the mesh in the very same place are one. What no such
+        face uses may be anywhere, and must not enter a centre, a scale or bounds.
     faces : (F, 3) int
-        In the order of the mesh.
+        In the order of the mesh; those without area are three times vertex 0.
     areas : (F,) float
         Area of each face [mm²], 0 for a face without a normal.
     normals : (F, 3) float
@@ -71,7 +72,7 @@ class Surface:
 
     @cached_property
     def solid(self) -> bool:
-        """Whether the mesh is made of closed shells, each outside out and none cutting itself.
+        """Whether the mesh is made of closed shells, each outside out and none cutting itself, but for touching points.
 
         Then a line of sight from outside passes a front before any back, which saves looking at backs at all.
         """
@@ -81,7 +82,7 @@ class Surface:
         return bool(
             self.closed
             and (np.bincount(self.shell, weights=cone) >= 0).all()
-            and (self.shell[own.face] != self.shell[own.other]).all()
+            and (own.is_point | (self.shell[own.face] != self.shell[own.other])).all()
         )
 
     @cached_property
@@ -125,8 +126,9 @@ def _build(points: np.ndarray, faces: np.ndarray) -> Surface:
     if not np.isfinite(points[faces]).all():
         bad = int(np.flatnonzero(~np.isfinite(points[faces]).all(axis=(1, 2)))[0])
         raise ExactError(f"face {bad} has a vertex that is not finite; remove or mend it first")
-    vertices, first = np.unique(points + 0.0, axis=0, return_inverse=True)
-    faces = first.reshape(-1)[faces]
+    used, faces = np.unique(faces, return_inverse=True)
+    vertices, first = np.unique(points[used] + 0.0, axis=0, return_inverse=True)
+    faces = first.reshape(-1)[faces.reshape(-1, 3)]
     corner = vertices[faces]
     sides = corner[:, [1, 2, 0]] - corner
     longest_squared = (sides**2).sum(axis=2).max(axis=1)
@@ -137,14 +139,17 @@ def _build(points: np.ndarray, faces: np.ndarray) -> Surface:
     normals = np.divide(normals, twice_areas[:, None], out=np.zeros_like(normals), where=has_area[:, None])
     if not areas.any():
         raise ExactError(f"none of the {len(faces)} faces has an area; at least one is needed")
+    closed = _is_closed(faces, len(vertices))
+    kept, corners = np.unique(faces[areas > 0], return_inverse=True)
+    vertices, faces = vertices[kept], np.zeros_like(faces)
+    faces[areas > 0] = corners.reshape(-1, 3)
     edges, edge_faces, loose, loose_faces = _edges(faces, areas > 0, len(vertices))
     graph = coo_array(
         (np.ones(len(edges), dtype=np.int8), (edge_faces[:, 0], edge_faces[:, 1])), shape=(len(faces),) * 2
     )
     shell = connected_components(graph, directed=False)[1]
-    closed = _is_closed(faces, len(vertices))
     # Relative to the first vertex: the volume of a closed mesh is the same from any point, the rounding is not.
-    arm = corner - vertices[0]
+    arm = vertices[faces] - vertices[0]
     if closed and (np.cross(arm[:, 0], arm[:, 1]) * arm[:, 2]).sum() < 0:
         raise ExactError("the mesh is closed and inside out: all its normals point inwards; meshes.load(path, "
                          "repair=True) turns it, or call mesh.invert()")  # fmt: skip

@@ -2,6 +2,7 @@
 
 from meshes.check import check
 from meshes.errors import MeshError, MeshWarning
+from meshes.file_faces import file_faces
 from meshes.fingerprint import fingerprint
 from meshes.load import load
 from meshes.sites import DETAILS, SITES, Site, site
@@ -18,6 +19,7 @@ __all__ = [
     "MeshWarning",
     "Site",
     "check",
+    "file_faces",
     "fingerprint",
     "load",
     "site",

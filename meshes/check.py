@@ -5,7 +5,9 @@ import trimesh
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
+from meshes.bodies import inside_out, neighbours
 from meshes.errors import MeshError
+from meshes.file_faces import file_faces, number_faces
 
 # A face flatter than this part of its distance from the origin has a normal of rounding noise in float64.
 FLATNESS = 1e-12
@@ -18,21 +20,23 @@ def check(mesh: trimesh.Trimesh, repair: bool = False, name: str = "mesh") -> tr
     """Return a mesh on which areas mean something, or say why this one is not.
 
     Needed: at least one face; finite vertices; no face without area; no face twice; neighbouring faces wound the
-    same way; a closed mesh not inside-out. Open meshes are fine.
+    same way; no closed body inside-out, unless it is a hollow in another. Open meshes are fine. Vertices that no face
+    uses may be anything.
 
     Parameters
     ----------
     mesh : trimesh.Trimesh
         Left as it is.
     repair : bool
-        Remove faces without area and repeated ones, wind neighbours the same way, turn a closed mesh outside-out.
+        Remove faces without area and repeated ones, wind neighbours the same way, turn closed bodies outside-out.
     name : str
         What to call it in messages.
 
     Returns
     -------
     trimesh.Trimesh
-        `mesh` itself, or a repaired copy; in its metadata `watertight` (bool) and `repairs` (list of str).
+        `mesh` itself, or a copy that is repaired and without vertices that no face uses; in its metadata `watertight`
+        (bool) and `repairs` (list of str). `meshes.file_faces` says which faces of `mesh` a repaired copy still has.
 
     Raises
     ------
@@ -56,10 +60,17 @@ def check(mesh: trimesh.Trimesh, repair: bool = False, name: str = "mesh") -> tr
     _check_not_empty(name, vertices, faces)
     _check_finite(name, vertices, faces)
     repairs: list[str] = []
-    for step in (_drop_flat_faces, _drop_repeated_faces, _wind_alike, _turn_outside_out):
+    number, n_in_file = file_faces(mesh)
+    for step in (_flat_faces, _repeated_faces):
+        kept = ~step(name, vertices, faces, repairs, repair)
+        faces, number = faces[kept], number[kept]
+    for step in (_wind_alike, _turn_outside_out):
         faces = step(name, vertices, faces, repairs, repair)
     if repairs:
         mesh = trimesh.Trimesh(vertices, faces, process=False)
+        number_faces(mesh, number, n_in_file)
+    if not mesh.referenced_vertices.all():
+        mesh = mesh if repairs else mesh.copy()
         mesh.remove_unreferenced_vertices()
     mesh.metadata["watertight"] = bool(mesh.is_watertight)
     mesh.metadata["repairs"] = repairs
@@ -90,7 +101,8 @@ def _altitudes(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
     return np.divide(twice_area, longest, out=np.zeros(len(faces)), where=longest > 0)
 
 
-def _drop_flat_faces(name, vertices, faces, repairs, repair):
+def _flat_faces(name, vertices, faces, repairs, repair):
+    """(F,) bool: faces without area, which go."""
     distance = np.abs(vertices[faces]).max(axis=(1, 2))
     flat = _altitudes(vertices, faces) <= FLATNESS * distance
     if flat.all():
@@ -99,7 +111,7 @@ def _drop_flat_faces(name, vertices, faces, repairs, repair):
             "Were the coordinates exported with too few digits?"
         )
     if not flat.any():
-        return faces
+        return flat
     first = int(np.flatnonzero(flat)[0])
     if not repair:
         raise MeshError(
@@ -107,48 +119,30 @@ def _drop_flat_faces(name, vertices, faces, repairs, repair):
             f"{int(flat.sum()) - 1} more; `meshes.load(path, repair=True)` removes such faces"
         )
     repairs.append(f"removed {_count(int(flat.sum()), 'face')} of zero area")
-    return faces[~flat]
+    return flat
 
 
-def _drop_repeated_faces(name, vertices, faces, repairs, repair):
-    """Drop a face that occurs twice, wound the same way: its area would count twice."""
+def _repeated_faces(name, vertices, faces, repairs, repair):
+    """(F,) bool: faces that were there before, wound the same way, which go: their areas would count twice."""
     start = faces.argmin(axis=1)
     turned = np.take_along_axis(faces, (start[:, None] + np.arange(3)) % 3, axis=1)
     _, first, inverse = np.unique(turned, axis=0, return_index=True, return_inverse=True)
     original = first[inverse.ravel()]
-    again = np.flatnonzero(original != np.arange(len(faces)))
+    repeated = original != np.arange(len(faces))
+    again = np.flatnonzero(repeated)
     if len(again) == 0:
-        return faces
+        return repeated
     if not repair:
         raise MeshError(
             f"{name}: face {again[0]} repeats face {original[again[0]]}, and {len(again) - 1} more faces repeat "
             "another; each area would count twice. `meshes.load(path, repair=True)` removes repeated faces"
         )
     repairs.append(f"removed {_count(len(again), 'repeated face')}")
-    return np.delete(faces, again, axis=0)
-
-
-def _neighbours(faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Pairs of faces that share an edge which no third face has.
-
-    Returns
-    -------
-    (N, 2) and (N,) ndarray
-        The two faces, and whether they are wound alike (run along the edge in opposite directions).
-    """
-    edges = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
-    forward = edges[:, 0] < edges[:, 1]
-    low, high = np.sort(edges, axis=1).T
-    order = np.lexsort((high, low))
-    new_edge = np.r_[True, (np.diff(low[order]) != 0) | (np.diff(high[order]) != 0), True]
-    starts = np.flatnonzero(new_edge)
-    pairs = starts[:-1][np.diff(starts) == 2]
-    first, second = order[pairs], order[pairs + 1]
-    return np.stack([first // 3, second // 3], axis=1), forward[first] != forward[second]
+    return repeated
 
 
 def _wind_alike(name, vertices, faces, repairs, repair):
-    pairs, alike = _neighbours(faces)
+    pairs, alike = neighbours(faces)
     if alike.all():
         return faces
     first = pairs[~alike][0]
@@ -181,27 +175,7 @@ def _wind_alike(name, vertices, faces, repairs, repair):
 
 
 def _turn_outside_out(name, vertices, faces, repairs, repair):
-    """Turn closed bodies of negative volume, unless they lie inside another: then they are a hollow in it."""
-    pairs, _ = _neighbours(faces)
-    links = coo_matrix((np.ones(len(pairs)), pairs.T), shape=(len(faces), len(faces)))
-    n_bodies, body = connected_components(links, directed=False)
-    closed = np.bincount(pairs.ravel(), minlength=len(faces)) == 3
-    is_closed = np.bincount(body, weights=closed, minlength=n_bodies) == np.bincount(body, minlength=n_bodies)
-    corners = vertices[faces]
-    # About the middle of the mesh: far from the origin the terms would cancel badly.
-    local = corners - 0.5 * (corners.min(axis=(0, 1)) + corners.max(axis=(0, 1)))
-    volumes = np.einsum("ij,ij->i", local[:, 0], np.cross(local[:, 1], local[:, 2])) / 6
-    volume = np.bincount(body, weights=volumes, minlength=n_bodies)
-    inverted = np.zeros(n_bodies, dtype=bool)
-    suspects = np.flatnonzero(is_closed & (volume < 0))
-    if len(suspects):
-        low, high = np.full((n_bodies, 3), np.inf), np.full((n_bodies, 3), -np.inf)
-        np.minimum.at(low, body, corners.min(axis=1))
-        np.maximum.at(high, body, corners.max(axis=1))
-        solid = np.flatnonzero(~is_closed | (volume > 0))
-        for suspect in suspects:
-            inside = (low[solid] < low[suspect]).all(axis=1) & (high[solid] > high[suspect]).all(axis=1)
-            inverted[suspect] = not inside.any()
+    body, volume, inverted = inside_out(vertices, faces)
     if not inverted.any():
         return faces
     worst = int(np.argmin(np.where(inverted, volume, np.inf)))

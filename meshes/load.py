@@ -50,7 +50,8 @@ def load(path: str | os.PathLike, repair: bool = False, scale: float = 1.0) -> t
     Returns
     -------
     trimesh.Trimesh
-        Checked as by `meshes.check`. It may be open: `mesh.metadata["watertight"]` says.
+        Checked as by `meshes.check`. It may be open: `mesh.metadata["watertight"]` says. Faces are in the order of the
+        file, without those that a repair removed: see `meshes.file_faces`.
 
     Raises
     ------
@@ -136,6 +137,8 @@ def _read_with_trimesh(path: Path, data: bytes, suffix: str) -> tuple[np.ndarray
     """Vertices (V, 3) and faces (F, 3) of an OBJ or PLY file, as trimesh reads it."""
     announced = _announced_by_ply(path, data) if suffix == ".ply" else {}
     options = {"skip_materials": True} if suffix == ".obj" else {}
+    if suffix == ".obj":
+        data = re.sub(rb"usemtl[ \t][^\r\n]*", b"", data)  # by which trimesh would reorder the faces
     if suffix == ".obj" and (
         zero := re.search(rb"^f[ \t](?:.*[ \t])?0+(?:/\S*)?[ \t\r]*$|^f[ \t]+(?:.*[ \t])?0+[/ \t]", data, re.M)
     ):
@@ -193,7 +196,7 @@ def _merged(path: Path, vertices: np.ndarray, faces: np.ndarray) -> trimesh.Trim
             f"{path}: face {wrong[0]} refers to vertices {corners}, but there are vertices 0 to "
             f"{len(vertices) - 1} only. The file is damaged; export it again"
         )
-    if not np.isfinite(vertices).all():  # the check shall name the vertex by its number in the file
+    if not np.isfinite(vertices[faces]).all():  # the check shall name the vertex by its number in the file
         return trimesh.Trimesh(vertices, faces, process=False)
     # Exactly equal ones only, and not by trimesh, which counts in steps of 1e-8 that overflow for large numbers.
     # Adding zero turns -0.0, which has other bytes, into 0.0.

@@ -30,10 +30,11 @@ def top_surface(mesh: trimesh.Trimesh) -> np.ndarray:
     >>> bool(top_surface(trimesh.creation.icosphere()).any())
     False
     """
-    if len(mesh.faces) == 0:
-        return np.zeros(0, dtype=bool)
-    vertices = np.asarray(mesh.vertices)
-    tolerance = ROUNDING * np.abs(vertices[mesh.faces]).max()
-    highest = vertices[mesh.faces][:, :, 2]
-    level = highest.min(axis=1) >= highest.max() - tolerance
-    return level & (np.asarray(mesh.face_normals)[:, 2] > 0)
+    has_area = np.asarray(mesh.area_faces) > 0  # others may reach anywhere
+    if not has_area.any():
+        return np.zeros(len(mesh.faces), dtype=bool)
+    corners = np.asarray(mesh.vertices)[mesh.faces]
+    tolerance = ROUNDING * np.abs(corners[has_area]).max()
+    highest = corners[:, :, 2]
+    level = highest.min(axis=1) >= highest[has_area].max() - tolerance
+    return has_area & level & (np.asarray(mesh.face_normals)[:, 2] > 0)

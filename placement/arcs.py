@@ -10,7 +10,7 @@ from collections.abc import Iterator
 import numpy as np
 
 import exact
-from exact.cameras import MOST_CAMERAS
+from exact.ring import MOST_CAMERAS
 from placement.constraints import GAP_MARGIN, LENGTH_TOLERANCE, Constraints, offered
 from placement.errors import PlacementError
 from placement.layout_parameters import Arcs, arcs_from_angles, gaps_from_angles

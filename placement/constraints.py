@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 import exact
-from exact.cameras import LARGEST_ANGLE
+from exact.ring import LARGEST_ANGLE
 from placement.errors import PlacementError, refusing
 
 # Added to the smallest gap [rad] so that a separation computed from rounded angles never falls short of the

@@ -19,7 +19,7 @@ from embreex.mesh_construction import TriangleMesh
 from embreex.rtcore_scene import EmbreeScene
 
 import exact
-from exact.cameras import MOST_CAMERAS
+from exact.ring import MOST_CAMERAS
 from exact.whole_numbers import is_whole
 from placement.errors import PlacementError
 from placement.sampling import SurfaceSamples
@@ -129,12 +129,16 @@ class Visibility:
     """
 
     def __init__(self, mesh: trimesh.Trimesh):
+        # Only what hides: vertices that no face with area uses may be anywhere.
+        used, faces = np.unique(mesh.faces[mesh.area_faces > 0], return_inverse=True)
+        vertices = np.asarray(mesh.vertices)[used]
+        bounds = np.stack([vertices.min(axis=0), vertices.max(axis=0)])
         # Centred: single precision is finest around the origin.
-        self._centre = mesh.bounds.mean(axis=0)
-        self._offset = RAY_OFFSET * float(np.ptp(mesh.bounds, axis=0).max())
+        self._centre = bounds.mean(axis=0)
+        self._offset = RAY_OFFSET * float(np.ptp(bounds, axis=0).max())
         self._scene = EmbreeScene()
-        vertices = np.ascontiguousarray(mesh.vertices - self._centre, dtype=np.float32)
-        TriangleMesh(self._scene, vertices, np.ascontiguousarray(mesh.faces, dtype=np.int32))
+        vertices = np.ascontiguousarray(vertices - self._centre, dtype=np.float32)
+        TriangleMesh(self._scene, vertices, np.ascontiguousarray(faces.reshape(-1, 3), dtype=np.int32))
 
     def from_angles(self, samples: SurfaceSamples, ring: exact.Ring, angles) -> np.ndarray:
         """(M, N) bool: does the camera at each of the (M,) ring angles [rad] see each of the N samples."""

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import trimesh
 from ray_oracle import ring_camera
 
 import exact
@@ -79,8 +80,6 @@ def test_separations_are_chords():
 
 
 def test_resolution_changes_no_area():
-    import trimesh
-
     ball = trimesh.creation.icosphere(2, radius=30)
     coarse, fine = (
         exact.Camera.look_at((0, 0, 400), (0, 0, 0), (0, 1, 0), resolution=size) for size in ((36, 24), (9999, 17))
@@ -113,6 +112,14 @@ def test_cameras_cannot_be_changed_by_accident():
         (lambda: exact.Camera.look_at((0, 0, 1), (0, 0, 0), (0, 0, 5)), r"parallel to the optical axis"),
         (lambda: exact.Camera.look_at((0, 0, 1), (0, 0, 0), (0, 0, 0)), r"zero or parallel"),
         (lambda: exact.Camera.look_at((0, 0, 1), (0, 0, 0), (0, 1, 0), resolution=(0, 5)), r"pixels must be positive"),
+        (lambda: exact.Ring().equidistant(3, phase=np.nan), r"phase is nan; it must be from -1e\+06 to 1e\+06 \[rad\]"),
+        (lambda: exact.Ring().equidistant(3, phase=-np.inf), r"phase is -inf; it must be from"),
+        (lambda: exact.Ring().equidistant(3, phase="x"), r"phase is 'x'; it must be a number \[rad\]"),
+        (lambda: exact.Ring().positions(["x"]), r"ring angles are \['x'\]; they must be one row of numbers"),
+        (lambda: exact.Ring().positions([0.0, 2e6]), r"ring angle 2 is 2e\+06 rad; it must be from -1e\+06 to 1e\+06"),
+        (lambda: exact.Camera.look_at((0, 0, 5e9), (0, 0, 0), (0, 1, 0)), r"position is .* at most 4e\+09 \[mm\]"),
+        (lambda: exact.Camera.look_at((0, 0, 1), (0, 0, 0), (0, 1, 0), fov=(-3, 2)), r"fov width is -3\.0"),
+        (lambda: exact.Ring().cameras([0.0])[0].moved("turn it"), r"needs a rigid \(4, 4\) matrix"),
         (lambda: exact.Ring().cameras([0.0])[0].moved(2 * np.eye(4)), r"needs a rigid \(4, 4\) matrix"),
         (lambda: exact.Ring().cameras([0.0])[0].moved(np.diag([1, 1, -1, 1])), r"needs a rigid"),
     ],
@@ -120,3 +127,58 @@ def test_cameras_cannot_be_changed_by_accident():
 def test_impossible_rings_and_cameras(make, message):
     with pytest.raises(exact.ExactError, match=message):
         make()
+
+
+DOWN = [[1, 0, 0], [0, -1, 0], [0, 0, -1]]
+BY_HAND = dict(position=[0, 0, 400], rotation=DOWN, target_distance=400, fov=[36, 24], resolution=[3600, 2400])
+
+
+def test_a_camera_made_by_hand_of_lists_sees_what_look_at_sees():
+    plate = trimesh.creation.box((100, 100, 1))
+    by_hand, usual = exact.Camera(**BY_HAND), exact.Camera.look_at((0, 0, 400), (0, 0, 0), (0, 1, 0))
+    assert exact.view(plate, by_hand).area == exact.view(plate, usual).area
+    assert (by_hand.projection == usual.projection).all()
+
+
+def test_a_camera_made_by_hand_keeps_its_arrays_to_itself():
+    given = {name: np.array(value, dtype=float) for name, value in BY_HAND.items() if name != "target_distance"}
+    camera = exact.Camera(target_distance=400.0, **given)
+    for name, array in given.items():
+        array += 1.0
+        assert getattr(camera, name).tolist() == BY_HAND[name]
+        with pytest.raises(ValueError, match="read-only"):
+            getattr(camera, name)[0] = 1.0
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        (dict(position=[0, 0]), r"camera position is \[0, 0\]; it must be 3 finite numbers"),
+        (dict(position=[0, np.nan, 0]), r"camera position is .*; it must be 3 finite numbers"),
+        (dict(position=[0, 0, 1e300]), r"camera position is .*; each coordinate must be at most 4e\+09"),
+        (dict(position="above"), r"camera position is 'above'; it must be 3 numbers"),
+        (dict(rotation=np.eye(4)), r"camera rotation is an array of shape \(4, 4\), .* it must be a \(3, 3\) rotation"),
+        (dict(rotation=np.full((3, 3), np.nan)), r"camera rotation is an array of shape \(3, 3\), .*look_at makes one"),
+        (dict(rotation=2 * np.eye(3)), r"camera rotation is"),
+        (dict(rotation=np.diag([1, 1, -1])), r"camera rotation is"),  # a mirror
+        (dict(rotation=np.full((3, 3), 1e200)), r"camera rotation is"),
+        (dict(rotation="down"), r"camera rotation is"),
+        (dict(target_distance=np.nan), r"target distance is nan; it must be positive and finite \[mm\]"),
+        (dict(target_distance=0), r"target distance is 0; it must be positive"),
+        (dict(target_distance=[400]), r"target distance is \[400\]; it must be a number \[mm\]"),
+        (dict(target_distance=1e200), r"target distance is 1e\+200 mm; it must be at most 4e\+09"),
+        (dict(fov=36), r"fov is 36; it must be 2 finite numbers"),
+        (dict(fov=[36, -24]), r"fov height is -24\.0; it must be positive"),
+        (dict(resolution=[3600, np.inf]), r"resolution is .*; it must be 2 finite numbers"),
+        (dict(resolution=[0, 2400]), r"resolution is \(0\.0, 2400\.0\); both numbers of pixels must be positive"),
+    ],
+)
+def test_impossible_cameras_made_by_hand(wrong, message):
+    with pytest.raises(exact.ExactError, match=message):
+        exact.Camera(**BY_HAND | wrong)
+
+
+def test_the_frame_of_a_ring_holds_its_axis_and_the_first_quarter():
+    ring = exact.Ring(diameter=2.0, working_distance=5.0, axis=(0.3, -0.4, 0.9))
+    local = ring.positions([0.0, np.pi / 2]) @ ring.frame
+    assert local == pytest.approx(np.array([[1, 0, 5], [0, 1, 5]]), abs=1e-12)

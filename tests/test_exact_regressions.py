@@ -2,11 +2,13 @@
 
 import numpy as np
 import pytest
+import shapely
 import trimesh
-from scenes import AWKWARD, above
+from scenes import AWKWARD, above, rectangle
 
 import exact
 import meshes
+from exact.surface import prepare
 
 
 def test_a_union_that_geos_gets_wrong_is_noticed():
@@ -45,3 +47,55 @@ def test_two_cameras_in_each_of_two_places(places):
     twice = exact.evaluate(mesh, ring.cameras(np.repeat(places, 2)), threshold=2, exclude=top)
     once = exact.evaluate(mesh, ring.cameras(places), threshold=1, exclude=top)
     assert twice.area == pytest.approx(once.area, rel=1e-9)
+
+
+def test_a_part_lost_from_a_small_piece_of_a_large_face_is_noticed(monkeypatch):
+    """Of a face of ten kilometres the cameras see 1e-11: too little for a tolerance in parts of the face."""
+    union_all = shapely.union_all
+
+    def forgetful(geometries, grid_size=None, **options):
+        united = union_all(geometries, grid_size=grid_size, **options)
+        if grid_size is None:  # as GEOS does now and then, without a word
+            parts = [shapely.get_parts(one) for one in united]
+            lost = [k for k, one in enumerate(parts) if len(one) > 1 and shapely.area(one).all()]
+            united[lost] = [parts[k][0] for k in lost]
+        return united
+
+    monkeypatch.setattr(shapely, "union_all", forgetful)
+    plain = rectangle((-5e6, 5e6), (-5e6, 5e6))
+    result = exact.evaluate(plain, [above(x, fov=(40, 40)) for x in (0.0, 10.0, 20.0)], 2)
+    assert result.area == pytest.approx(40 * 40, rel=1e-6)
+    assert result.repairs > 0
+
+
+def test_pieces_that_overlap_are_counted(monkeypatch):
+    """Each cut may give a little more than there was; what adds up to more than the face is said, not hidden."""
+    polygonize, plain = shapely.polygonize, rectangle((-50, 50), (-50, 50))
+    cameras = [above(x, fov=(60, 60)) for x in (-3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0)]
+    assert exact.evaluate(plain, cameras, 7).repairs == 0
+    slightly = np.array([1 + 6e-11, 1.0])
+    monkeypatch.setattr(
+        shapely,
+        "polygonize",
+        lambda *lines, **options: shapely.transform(polygonize(*lines, **options), slightly.__mul__),
+    )
+    assert exact.evaluate(plain, cameras, 7).repairs == 2  # its two faces
+
+
+@pytest.mark.parametrize(
+    ("name", "depth"), [(name, depth) for name, site in meshes.SITES.items() for depth in site.depths]
+)
+def test_sites_are_solid_though_some_of_their_faces_touch_in_points(name, depth):
+    """Only then are backs and concave edges not looked at, which saves a fifth of the time."""
+    surface = prepare(meshes.site(name, depth, "coarse"))
+    assert surface.solid
+    assert surface.intersections.is_point.all()
+
+
+def test_a_body_that_cuts_itself_is_not_solid():
+    tube = trimesh.creation.sweep_polygon(
+        shapely.Point(0, 0).buffer(1.0, 8), [[-9, 0, 0], [9, 0, 0], [9, 9, 0], [0, 9, 0], [0, -9, 0.3]]
+    )
+    surface = prepare(tube)
+    assert surface.closed and not surface.solid
+    assert not surface.intersections.is_point.all()

@@ -100,6 +100,24 @@ def test_evaluate_excludes_listed_faces(camring, scan, tmp_path):
     assert by_name.splitlines()[-1] != camring("evaluate", scan, "--cameras", "4")[1].splitlines()[-1]
 
 
+def test_listed_faces_count_as_in_the_file_whatever_a_repair_removes(camring, tmp_path):
+    """Two plates of 50 mm², one of them listed; before each there is a face that the repair removes."""
+    corners = np.array([[-5, 0, 0], [5, 0, 0], [5, 5, 0], [-5, 5, 0], [-5, -5, 0], [5, -5, 0]], dtype=float)
+    faces = [[0, 0, 1], [0, 1, 2], [0, 2, 3], [1, 2, 0], [4, 5, 1], [4, 1, 0]]
+    trimesh.Trimesh(corners, faces, process=False).export(tmp_path / "plates.stl")
+    (tmp_path / "faces.txt").write_text("4\n5\n", encoding="utf-8")
+    asked = ("evaluate", tmp_path / "plates.stl", "--cameras", 4, "--repair", "--exclude", tmp_path / "faces.txt")
+    status, out, _ = camring(*asked, "--json")
+    found = json.loads(out)
+    assert status == 0 and found["level_areas_mm2"] == pytest.approx([50.0, 50.0], rel=1e-12)
+    assert "2 faces listed" in found["mesh"]["excluded"] and "50.00 mm²" in found["mesh"]["excluded"]
+    (tmp_path / "faces.txt").write_text("0 3", encoding="utf-8")  # of those that are removed
+    assert json.loads(camring(*asked, "--json")[1])["level_areas_mm2"] == pytest.approx([100.0, 100.0], rel=1e-12)
+    (tmp_path / "faces.txt").write_text("6", encoding="utf-8")
+    status, _, err = camring(*asked)
+    assert status == 2 and "holds '6'; each line must be a face index from 0 to 5 for this mesh" in err
+
+
 def test_compare_scores_layouts_on_one_mesh(camring, optimised, scan, tmp_path):
     content = json.loads((optimised / "layout.json").read_text(encoding="utf-8"))
     by_hand = {key: content[key] for key in ("format", "version", "ring")} | {"angles_deg": [120, 240, 360]}

@@ -90,6 +90,19 @@ def test_repeated_faces():
     assert repaired.metadata["repairs"] == ["removed 1 repeated face"]
 
 
+def test_a_repaired_mesh_knows_the_faces_of_its_file():
+    vertices = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]]
+    broken = mesh_of(vertices, [[0, 0, 1], [0, 1, 2], [1, 2, 0], [3, 1, 2]])
+    assert meshes.file_faces(broken)[0].tolist() == [0, 1, 2, 3]
+    repaired = meshes.check(broken, repair=True)
+    number, count = meshes.file_faces(repaired)
+    assert (number.tolist(), count) == ([1, 3], 4)
+    # It keeps them through a second repair, a copy and a motion.
+    repaired.faces = [[0, 1, 2], [1, 1, 1]]
+    again = meshes.check(repaired, repair=True).copy().apply_translation((1, 2, 3))
+    assert (meshes.file_faces(again)[0].tolist(), meshes.file_faces(again)[1]) == ([1], 4)
+
+
 def test_a_sheet_with_two_sides_is_no_repetition():
     meshes.check(mesh_of([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 1]]))
 

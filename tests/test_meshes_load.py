@@ -263,3 +263,12 @@ def test_scale_beyond_all_numbers(tmp_path, box):
     box.export(tmp_path / "box.ply")
     with pytest.raises(meshes.MeshError, match="not finite|finite"):
         meshes.load(tmp_path / "box.ply", scale=1e308)
+
+
+def test_faces_of_an_obj_file_keep_their_order_whatever_they_are_made_of(tmp_path, box):
+    lines = [f"v {x} {y} {z}" for x, y, z in box.vertices.tolist()]
+    for number, face in enumerate((box.faces + 1).tolist()):
+        lines += [f"usemtl {'skin' if number % 6 < 3 else 'bone'}"] * (number % 3 == 0)
+        lines += ["f " + " ".join(map(str, face))]
+    path = written(tmp_path, "materials.obj", "\n".join(lines) + "\n")
+    assert (meshes.load(path).triangles == box.triangles).all()

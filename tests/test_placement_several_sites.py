@@ -115,6 +115,25 @@ def test_poses_are_rigid_within_their_limits_and_repeatable():
     assert (placement.jitter(mesh, n=2, seed=8)[1].vertices != placement.jitter(mesh, n=2, seed=9)[1].vertices).any()
 
 
+@pytest.mark.parametrize("axis", [(0, 0, 2), (1, 0, 0), (0.3, -0.4, -0.9)])
+def test_poses_tilt_about_the_rings_axis(axis):
+    """No pose turns about the axis, and the axis itself tilts towards all sides alike."""
+    focus, unit = np.array([1.0, -2.0, 5.0]), np.array(axis) / np.linalg.norm(axis)
+    poses = placement.jitter(BARS[0], tilt_deg=8.0, shift_mm=0.0, n=400, focus=tuple(focus), axis=axis)
+    towards = []
+    for pose in poses[1:]:
+        rigid = trimesh.registration.procrustes(BARS[0].vertices, pose.vertices, reflection=False, scale=False)[0]
+        assert rigid[:3, :3] @ focus + rigid[:3, 3] == pytest.approx(focus, abs=1e-9)
+        turn = np.array([rigid[2, 1] - rigid[1, 2], rigid[0, 2] - rigid[2, 0], rigid[1, 0] - rigid[0, 1]])
+        assert abs(turn @ unit) < 1e-9
+        towards.append(turn / np.linalg.norm(turn))
+    # Of uniform directions in the plane across the axis, each coordinate has a mean of 0 and a variance of 1/2.
+    towards = np.array(towards)
+    assert np.abs(towards.mean(axis=0)).max() < 0.15
+    spread = 0.5 * (np.eye(3) - np.outer(unit, unit))
+    assert towards.T @ towards / len(towards) == pytest.approx(spread, abs=0.1)
+
+
 def test_a_layout_for_many_poses():
     poses = placement.jitter(BARS[0], tilt_deg=3.0, shift_mm=2.0, n=4)
     result = placement.optimise(poses, RING, 3, settings=QUICK, objective="worst", certify=False)
@@ -151,6 +170,8 @@ def test_errors(wrong, message):
         (dict(tilt_deg=-1), "tilt_deg is -1"),
         (dict(shift_mm=float("inf")), "shift_mm is inf"),
         (dict(n=0), "number of poses is 0"),
+        (dict(axis=(0, 0, 0)), "ring axis is the zero vector"),
+        (dict(axis=(0, np.nan, 1)), "ring axis is .* 3 finite numbers"),
     ],
 )
 def test_poses_that_make_no_sense(wrong, message):

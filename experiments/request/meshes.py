@@ -123,8 +123,9 @@ def exclusion(about: Subject, choice: str | None) -> Exclusion:
     Parameters
     ----------
     choice : str or None
-        "top" for the top surface, "none", or the path of a text file with one face index per line (from 0). None
-        stands for "top" at built-in sites, whose top surface is covered by drapes, and for "none" elsewhere.
+        "top" for the top surface, "none", or the path of a text file with one face index per line (from 0). These
+        count the faces of the mesh's file, whatever a repair removed. None stands for "top" at built-in sites, whose
+        top surface is covered by drapes, and for "none" elsewhere.
     """
     mesh = about.mesh
     choice = ("top" if about.is_site else "none") if choice is None else choice
@@ -139,12 +140,14 @@ def exclusion(about: Subject, choice: str | None) -> Exclusion:
         raise InputError(
             f"--exclude is {choice!r}; it must be top, none, or a text file with one face index per line"
         ) from error
-    mask = np.zeros(len(mesh.faces), dtype=bool)
+    number, n_in_file = meshes.file_faces(mesh)
+    listed = np.zeros(n_in_file, dtype=bool)
     for word in lines:
         # Longer ones than that of the last face need no reading, and Python reads no more than 4300 digits.
-        if not (word.isascii() and word.isdigit() and len(word) <= len(str(len(mask))) and int(word) < len(mask)):
+        if not (word.isascii() and word.isdigit() and len(word) <= len(str(n_in_file)) and int(word) < n_in_file):
             raise InputError(
-                f"{choice} holds {word[:40]!r}; each line must be a face index from 0 to {len(mask) - 1} for this mesh"
+                f"{choice} holds {word[:40]!r}; each line must be a face index from 0 to {n_in_file - 1} for this mesh"
             )
-        mask[int(word)] = True
+        listed[int(word)] = True
+    mask = listed[number]
     return Exclusion(mask, f"{mask.sum()} faces listed in {choice}, {mesh.area_faces[mask].sum():.2f} mm²")

@@ -138,7 +138,7 @@ def request(names: Sequence[str], depth: float | None, detail: str | None, rig: 
     ring = rig.ring(subjects[0].fov)
     poses = []
     for about, left_out, weight in zip(subjects, excluded, weights, strict=True):
-        turned = placement.jitter(about.mesh, rig.tilt_deg, rig.shift_mm, rig.jitter, rig.seed, ring.focus)
+        turned = placement.jitter(about.mesh, rig.tilt_deg, rig.shift_mm, rig.jitter, rig.seed, ring.focus, ring.axis)
         for number, mesh in enumerate(turned, start=1):
             name = about.name if len(turned) == 1 else f"{about.name}, pose {number}"
             falling = None if rig.falloff_mm is None else placement.falloff(mesh, ring, rig.falloff_mm)

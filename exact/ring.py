@@ -1,0 +1,205 @@
+r"""A circle of cameras around a focus (Wachter 2021, section 2.2).
+
+::
+
+                 P  (0, 0, r^2/h) above F: every up vector points here
+                 |
+        C_2 ---- + ---- C_1     ring, diameter d, centre h above F
+           \     |     /
+            \    h    /  r = sqrt(h^2 + (d/2)^2)
+             \   |   /
+              \  |  /
+                 F              focus: all cameras look here
+
+Lengths in millimetres, angles in radians, right-handed axes, float64.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from exact.cameras import LONGEST, SHORTEST, Camera, finite_vector, length
+from exact.errors import ExactError
+from exact.whole_numbers import is_whole
+
+# A larger ring angle [rad] is damage: its rounding alone would move a camera.
+LARGEST_ANGLE = 1e6
+# On one ring. Wachter 2021 takes 360 for all there is to see; tables of pairs of cameras grow with the square.
+MOST_CAMERAS = 10_000
+
+
+@dataclass(frozen=True)
+class Ring:
+    """A circle of cameras that all look at one point, the focus.
+
+    Parameters
+    ----------
+    diameter : float
+        Diameter of the ring [mm].
+    working_distance : float
+        Distance of the ring's plane from the focus, along the axis [mm].
+    fov : (2,) tuple of float
+        Field of view in the plane through the focus perpendicular to each optical axis:
+        width (tangential) and height (radial) [mm]. It turns with the ring angle.
+    focus : (3,) tuple of float
+        The point all cameras look at [mm].
+    axis : (3,) tuple of float
+        Direction from the focus to the ring's centre. Ring angle 0 lies towards +x, or, for an axis that is not
+        +z, where the shortest rotation that takes +z to the axis carries +x.
+
+    Raises
+    ------
+    ExactError
+        If a length is not positive, one is shorter than 1e-9 or longer than 1e9 mm, or a vector is not finite.
+
+    Examples
+    --------
+    >>> ring = Ring()
+    >>> ring.positions([0.0])
+    array([[ 15.,   0., 400.]])
+    >>> cameras = ring.cameras(ring.equidistant(4))
+    >>> len(cameras)
+    4
+    """
+
+    diameter: float = 30.0
+    working_distance: float = 400.0
+    fov: tuple[float, float] = (36.0, 24.0)
+    focus: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    _frame: np.ndarray = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self):
+        def put(name, value):
+            object.__setattr__(self, name, value)
+
+        put("diameter", length("ring diameter", self.diameter))
+        put("working_distance", length("working distance", self.working_distance))
+        width, height = finite_vector("fov", self.fov, 2)
+        put("fov", (length("fov width", width), length("fov height", height)))
+        focus = finite_vector("focus", self.focus, 3)
+        if np.abs(focus).max() > LONGEST:
+            raise ExactError(f"focus is {tuple(focus.tolist())}; each coordinate must be at most {LONGEST:g} [mm]")
+        put("focus", tuple(focus.tolist()))
+        axis = finite_vector("ring axis", self.axis, 3)
+        if not axis.any():
+            raise ExactError("ring axis is the zero vector; give the direction from the focus to the ring")
+        put("axis", tuple(axis.tolist()))
+        if not SHORTEST <= np.linalg.norm(axis) <= LONGEST:
+            axis = axis / np.abs(axis).max()  # its square may have overflowed or vanished
+        put("_frame", _rotation_from_z(axis / np.linalg.norm(axis)))
+
+    @property
+    def frame(self) -> np.ndarray:
+        """(3, 3) unit vectors in columns: towards ring angle 0, towards a quarter turn, and along the axis.
+
+        Examples
+        --------
+        >>> Ring(axis=(0, 0, 2)).frame[:, 2]
+        array([0., 0., 1.])
+        """
+        return self._frame.copy()
+
+    def equidistant(self, n_cameras: int, phase: float = 0.0) -> np.ndarray:
+        """Ring angles of `n_cameras` evenly spaced cameras: phase + 2 pi i / n, i = 1..n.
+
+        Parameters
+        ----------
+        n_cameras : int
+            From 1 to 10 000.
+        phase : float
+            By how much all are turned [rad].
+
+        Returns
+        -------
+        (n_cameras,) ndarray
+            Ring angles [rad].
+
+        Examples
+        --------
+        >>> np.degrees(Ring().equidistant(4)).tolist()
+        [90.0, 180.0, 270.0, 360.0]
+        """
+        if not (is_whole(n_cameras) and n_cameras >= 1):
+            raise ExactError(f"number of cameras is {n_cameras}; it must be a whole number, at least 1")
+        if n_cameras > MOST_CAMERAS:
+            raise ExactError(f"number of cameras is {n_cameras}; it must be at most {MOST_CAMERAS}")
+        return _checked_phase(phase) + 2 * np.pi * np.arange(1, int(n_cameras) + 1) / int(n_cameras)
+
+    def positions(self, angles) -> np.ndarray:
+        """Camera centres.
+
+        Parameters
+        ----------
+        angles : (M,) array_like
+            Ring angles [rad].
+
+        Returns
+        -------
+        (M, 3) ndarray
+            World points [mm]: F + (d/2 cos, d/2 sin, h) in the ring's own frame.
+        """
+        theta = _checked_angles(angles)
+        radius = self.diameter / 2
+        local = np.stack(
+            [radius * np.cos(theta), radius * np.sin(theta), np.full_like(theta, self.working_distance)], axis=1
+        )
+        return np.array(self.focus) + local @ self._frame.T
+
+    def cameras(self, angles) -> tuple[Camera, ...]:
+        """One camera at each of the (M,) ring angles [rad], all looking at the focus.
+
+        Each up vector points to where the plane perpendicular to the optical axis meets the ring's axis, so that
+        the image's width is tangential to the ring and its height radial (Wachter 2021, section 2.2).
+        """
+        focus = np.array(self.focus)
+        distance_squared = self.working_distance**2 + (self.diameter / 2) ** 2
+        apex = focus + self._frame[:, 2] * (distance_squared / self.working_distance)
+        return tuple(
+            Camera.look_at(position, focus, up=apex - position, fov=self.fov) for position in self.positions(angles)
+        )
+
+    def separations(self, angles) -> np.ndarray:
+        """(M, M) chords between all pairs of the (M,) ring angles [mm]."""
+        theta = _checked_angles(angles)
+        return self.diameter * np.abs(np.sin((theta[:, None] - theta[None, :]) / 2))
+
+
+def _checked_phase(phase) -> float:
+    try:
+        number = float(phase)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise ExactError(f"phase is {phase!r}; it must be a number [rad]") from error
+    if not abs(number) <= LARGEST_ANGLE:  # written so that nan is refused
+        raise ExactError(f"phase is {number:g}; it must be from {-LARGEST_ANGLE:g} to {LARGEST_ANGLE:g} [rad]")
+    return number
+
+
+def _checked_angles(angles) -> np.ndarray:
+    try:
+        theta = np.atleast_1d(np.asarray(angles, dtype=np.float64))
+    except (TypeError, ValueError, OverflowError) as error:
+        raise ExactError(f"ring angles are {angles!r}; they must be one row of numbers [rad]") from error
+    if theta.ndim != 1 or len(theta) == 0:
+        raise ExactError(f"ring angles have shape {theta.shape}; they must be one row of at least one angle [rad]")
+    if not np.isfinite(theta).all():
+        raise ExactError(f"ring angles {theta.tolist()} are not all finite [rad]")
+    if len(theta) > MOST_CAMERAS:
+        raise ExactError(f"there are {len(theta)} ring angles; a ring holds at most {MOST_CAMERAS} cameras")
+    worst = int(np.argmax(np.abs(theta)))
+    if abs(theta[worst]) > LARGEST_ANGLE:
+        raise ExactError(
+            f"ring angle {worst + 1} is {theta[worst]:g} rad; it must be from {-LARGEST_ANGLE:g} to {LARGEST_ANGLE:g}"
+        )
+    return theta
+
+
+def _rotation_from_z(direction: np.ndarray) -> np.ndarray:
+    """(3, 3) the shortest rotation that takes +z to the unit vector `direction`."""
+    x, y, z = direction
+    if z < 0 and x == 0 and y == 0:
+        return np.diag([1.0, -1.0, -1.0])  # half a turn about +x; every half turn is as short
+    skew = np.array([[0.0, 0.0, x], [0.0, 0.0, y], [-x, -y, 0.0]])  # of the vector z cross direction
+    # Rodrigues' formula with the factor (1 - cos)/sin^2 = 1/(1 + cos); near -z written without cancellation.
+    factor = 1 / (1 + z) if z > 0 else (1 - z) / (x * x + y * y)
+    return np.eye(3) + skew + factor * (skew @ skew)
