@@ -1,5 +1,6 @@
 """With which status `camring` ends, that all it printed has arrived before it does, and that it does end."""
 
+import atexit
 import contextlib
 import io
 import os
@@ -7,7 +8,6 @@ import signal
 import sys
 import threading
 import time
-from multiprocessing import util
 from typing import TextIO
 
 TARGET_MISSED, REFUSED, FAULT, INTERRUPTED = 1, 2, 70, 130
@@ -23,6 +23,7 @@ PATIENCE = 1.0
 
 _stopped_by = int(signal.SIGINT)
 _is_leaving = threading.Event()
+_status = 0  # when it is leaving
 
 
 def as_documented(status: object) -> int:
@@ -53,6 +54,7 @@ def _stopped(number: int) -> int:
 
 def stop_when_asked() -> None:
     """Take every request to stop as an interrupt, which unwinds; end without unwinding if that takes too long."""
+    atexit.register(_end_at_last)  # before libraries register what they do at the end: the first is called last
     if threading.current_thread() is not threading.main_thread():
         return
     for number in _STOPPING:  # what the caller has the program ignore, it goes on to ignore
@@ -81,18 +83,25 @@ def _end_when_asked(asked: int) -> None:
 
 def leave(status: int) -> None:
     """End the program: no interrupt disturbs that any more, and no thread or process holds it up."""
+    global _status
+    _status = status
     _is_leaving.set()
     if threading.current_thread() is threading.main_thread():
         for number in _STOPPING:
             signal.signal(number, signal.SIG_IGN)
     _end_workers()
-    threading.Thread(target=_end_late, args=(status,), daemon=True).start()
+    threading.Thread(target=_end_late, daemon=True).start()
     sys.exit(status)
 
 
-def _end_late(status: int) -> None:
+def _end_late() -> None:
     time.sleep(PATIENCE)
-    _end_now(status)
+    _end_now(_status)
+
+
+def _end_at_last() -> None:
+    if _is_leaving.is_set():
+        _end_now(_status)
 
 
 def _end_workers() -> None:
@@ -102,12 +111,14 @@ def _end_workers() -> None:
 
 
 def _end_now(status: int) -> None:
-    """End as multiprocessing ends a child: Python itself would wait for threads, which cannot be stopped.
+    """End without what Python does at its very end, as multiprocessing ends a child.
 
+    Python would wait for threads, which cannot be stopped, and take all its modules apart, which takes a second.
     Without `_exit_function` semaphores would be left behind, and a warning of them.
     """
     _end_workers()
-    util._exit_function()  # pyright: ignore[reportAttributeAccessIssue]
+    if "multiprocessing.util" in sys.modules:
+        sys.modules["multiprocessing.util"]._exit_function()
     flushed(status)
     os._exit(status)
 
