@@ -26,7 +26,7 @@ SMALL_STUDY = (
     "from experiments.cli.app import main\n"
     "plan = command_study.Plan((('circ_flat', 50),), (2,), (), (), (2, 3, 4), 'coarse')\n"
     "command_study.Plan.of = staticmethod(lambda quick, detail: plan)\n"
-    "main(sys.argv[1:])\n"
+    "main()\n"
 )
 # The only figures of a sweep that differ from run to run.
 TIMES = re.compile(rb'"(wall_|task_)?seconds": [\d.e-]+|"tasks_found_done": \d+')

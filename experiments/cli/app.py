@@ -10,7 +10,16 @@ from typing import Annotated
 import typer
 
 import experiments.cli.options as opt
-from experiments.cli.exit_status import REFUSED, as_documented, finish_undisturbed, flushed, print_anything
+from experiments.cli.exit_status import (
+    INTERRUPTED,
+    REFUSED,
+    as_documented,
+    flushed,
+    leave,
+    print_anything,
+    stop_when_asked,
+    tell,
+)
 from experiments.cli.jax_cache import keep_compiled
 from experiments.cli.memory_limit import ran_out, too_low
 
@@ -434,10 +443,29 @@ def study(
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Run `camring` and exit: 0; 1 if a target was missed; 2, with one message, if the request cannot be met."""
+    """Run `camring` and exit: 0; 1 if a target was missed; 2, with one message, if the request cannot be met.
+
+    Without arguments it is the program itself, takes those of the command line, and ends the process whatever still
+    runs in it.
+    """
     keep_compiled()
     print_anything()
-    refusal = None if "numpy" in sys.modules else too_low(sys.argv[1:] if arguments is None else arguments)
+    if arguments is None:
+        stop_when_asked()
+    try:
+        status = _status(sys.argv[1:] if arguments is None else arguments)
+    except KeyboardInterrupt:  # while it says why it ends
+        status = as_documented(INTERRUPTED)
+    if "experiments.files.folder_lock" in sys.modules:
+        sys.modules["experiments.files.folder_lock"].release_all()
+    status = flushed(status)
+    if arguments is None:
+        leave(status)
+    sys.exit(status)
+
+
+def _status(arguments: list[str]) -> int:
+    refusal = None if "numpy" in sys.modules else too_low(arguments)
     try:
         if refusal is None:
             app(arguments, prog_name="camring")
@@ -451,12 +479,9 @@ def main(arguments: list[str] | None = None) -> None:
 
         status = say(error)
     if refusal is not None:
-        print(f"camring: {refusal}", file=sys.stderr)
+        tell(refusal)
         status = REFUSED
-    if "experiments.files.folder_lock" in sys.modules:
-        sys.modules["experiments.files.folder_lock"].release_all()
-    finish_undisturbed()
-    sys.exit(flushed(status))
+    return status
 
 
 if __name__ == "__main__":

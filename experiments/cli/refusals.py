@@ -3,10 +3,11 @@
 import errno
 import sys
 import traceback
+from contextlib import suppress
 
 import exact
 import meshes
-from experiments.cli.exit_status import FAULT, REFUSED, TARGET_MISSED
+from experiments.cli.exit_status import FAULT, REFUSED, TARGET_MISSED, tell
 from experiments.cli.memory_limit import ran_out
 from experiments.files.errors import InputError, TargetMissed
 
@@ -53,14 +54,12 @@ def say(error: BaseException) -> int:
     """Print on stderr what went wrong, with where if it is a fault of camring; return the exit status."""
     status = exit_status(error)
     if status == FAULT:
-        traceback.print_exception(error)
+        with suppress(OSError):
+            traceback.print_exception(error)
     elif out_of_memory(error):
-        print(f"camring: {ran_out(error)}", file=sys.stderr)
+        tell(ran_out(error))
     elif _no_room(error):
-        print(
-            f"camring: cannot write: {error}; make room, or give standard output and results another place",
-            file=sys.stderr,
-        )
+        tell(f"cannot write: {error}; make room, or give standard output and results another place")
     else:
-        print(f"camring: {error}", file=sys.stderr)
+        tell(str(error))
     return status

@@ -1,7 +1,6 @@
 """camring optimise: propose a layout, compare it with equidistant ones, say what it keeps, write and draw it."""
 
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -9,7 +8,7 @@ import numpy as np
 
 import exact
 import placement
-from exact.workers import start_processes
+from exact.workers import background, start_processes
 from experiments.exports import coverage_mesh, formats
 from experiments.exports.cameras import named_cameras
 from experiments.figures.coverage import Panel, write_coverage
@@ -58,16 +57,16 @@ def run(
     names = tuple(name for name in names if name in formats.FORMATS)
     output_folder(out, (*OUTPUTS, *meshes_too, *[report.NAME] * with_report), force)
     files = formats.prepare(out, names, force)
-    with progress_stages() as progress, ThreadPoolExecutor() as aside:
+    with progress_stages() as progress:
         problem, (n_cameras, limits) = asked.problem(progress), (asked.rig.n_cameras, asked.rig.constraints)
         # Equidistant rings wait for no search; other processes work on them while this one searches.
         even = [
-            aside.submit(lambda: _kept(problem, asked, robust, asked.ring.equidistant(n_cameras))),
-            aside.submit(lambda: _kept(problem, asked, robust, _best_equidistant(problem, asked))),
+            background(lambda: _kept(problem, asked, robust, asked.ring.equidistant(n_cameras))),
+            background(lambda: _kept(problem, asked, robust, _best_equidistant(problem, asked))),
         ]
         result = problem.optimise(n_cameras, limits, certify=asked.rig.certify, progress=progress)
         layouts = _layouts(result, asked)
-        drawing = aside.submit(_draw, out / OUTPUTS[2], asked, result, (layouts[0], layouts[-1]))
+        drawing = background(lambda: _draw(out / OUTPUTS[2], asked, result, (layouts[0], layouts[-1])))
         progress("faults and triangulation angles", 0, 1)
         optimised = _kept(problem, asked, robust, layouts[-1].angles)
         rows = _rows(result, asked, layouts, [*(found.result() for found in even), optimised])
