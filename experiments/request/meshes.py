@@ -174,7 +174,7 @@ def request(name: str, depth: float | None, detail: str | None, rig: "Rig") -> R
 
     Examples
     --------
-    >>> from experiments import rig_file
+    >>> from experiments.request import rig as rig_file
     >>> asked = request("circ_flat", None, "coarse", rig_file.rig(diameter=20.0))
     >>> asked.about.name, asked.ring.diameter, bool(asked.excluded.mask.any())
     ('circ_flat, depth 50 mm', 20.0, True)

@@ -123,7 +123,7 @@ def request(names: Sequence[str], depth: float | None, detail: str | None, rig: 
 
     Examples
     --------
-    >>> from experiments import rig_file
+    >>> from experiments.request import rig as rig_file
     >>> asked = request(["circ_flat@50", "circ_flat"], 100, "coarse", rig_file.rig(jitter=2, site_weights="1,3"))
     >>> asked.subjects[1].name, asked.name, [pose.weight for pose in asked.poses]
     ('circ_flat, depth 100 mm', 'circ_flat, depth 50 mm and 1 more, 2 poses', [1.0, 1.0, 3.0, 3.0])

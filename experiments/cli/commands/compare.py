@@ -11,6 +11,7 @@ from experiments.files.errors import InputError
 from experiments.files.whole import output_folder
 from experiments.request import layout_file
 from experiments.request.meshes import exclusion, subject
+from experiments.request.rig import demanded
 from experiments.tables import layouts as layout_table
 from experiments.terminal.console import note, print_json, terminal
 from experiments.terminal.progress import progress_bar
@@ -23,19 +24,15 @@ RING_CAMERAS = placement.Settings().ring_cameras
 def run(
     layouts: list[Path],
     mesh: str,
+    options: dict[str, Any],
     *,
-    threshold: int | None,
-    min_baseline: float | None,
-    exclude: str | None,
     depth: float | None,
     detail: str | None,
-    repair: bool,
-    scale: float,
     out: Path | None,
     force: bool,
     as_json: bool,
 ) -> None:
-    """Score, print and write."""
+    """Score, print and write. `options` are those of the rig, by their keys."""
     if len(layouts) < 2:
         raise InputError(f"{len(layouts)} layout is given; at least two are needed to compare")
     read = [layout_file.read(path) for path in layouts]
@@ -45,13 +42,15 @@ def run(
                 f"{one.path} and {read[0].path} are layouts of different rings ({one.ring} and {read[0].ring}); "
                 "areas and fractions compare on one ring only: score each with camring evaluate --layout"
             )
-    threshold = read[0].threshold if threshold is None else threshold
     # One demand for all, or their areas would not compare: the strictest that any of them was made for.
-    baseline = max(one.min_baseline for one in read) if min_baseline is None else min_baseline
-    about = subject(mesh, depth, detail, repair, scale)
+    strictest = max(one.min_baseline for one in read)
+    asked = demanded(options, threshold=read[0].threshold, min_baseline=strictest)
+    threshold, baseline = asked.threshold, asked.baseline
+    scale = 1.0 if options["scale"] is None else options["scale"]
+    about = subject(mesh, depth, detail, bool(options["repair"]), scale)
     for one in read:
         one.refuse_other_mesh(about.mesh, about.name, force)
-    excluded = exclusion(about, exclude)
+    excluded = exclusion(about, options["exclude"])
     if out is not None:
         output_folder(out, OUTPUTS, force)
     rig, rows = read[0].ring, []
@@ -59,7 +58,9 @@ def run(
 
         def area(angles, apart: float) -> float:
             cameras = rig.cameras(angles)
-            result = exact.evaluate(about.mesh, cameras, threshold, excluded.mask, apart, report=advance)
+            result = exact.evaluate(
+                about.mesh, cameras, threshold=threshold, exclude=excluded.mask, min_baseline=apart, report=advance
+            )
             refuse_unseen(about, result)
             return result.area
 

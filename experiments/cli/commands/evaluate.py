@@ -67,7 +67,8 @@ def run(
     else:
         listed = angles_deg is not None
         angles = np.radians(parse_angles(angles_deg)) if listed else asked.ring.equidistant(asked.rig.n_cameras)
-        cameras = _Cameras(asked.ring, angles, asked.rig.threshold, asked.rig.constraints.baseline(asked.ring))
+        baseline = max(asked.rig.demand.baseline, asked.rig.constraints.baseline(asked.ring))
+        cameras = _Cameras(asked.ring, angles, asked.rig.demand.threshold, baseline)
     _warn_of_one_place(cameras)
     if out is not None:
         output_folder(out, OUTPUTS, force)
@@ -90,10 +91,10 @@ def _from_layout(path: Path, asked: Request, options: dict[str, Any], force: boo
     """What the file says, where no option says something else."""
     made = layout_file.read(path)
     made.refuse_other_mesh(asked.about.mesh, asked.about.name, force)
-    threshold = made.threshold if options["threshold"] is None else options["threshold"]
+    asks = rig_file.demanded(options, threshold=made.threshold, min_baseline=made.min_baseline)
     asked_for = options["min_baseline"] is not None
     baseline = asked.rig.constraints.baseline(made.ring) if asked_for else made.min_baseline
-    return _Cameras(made.ring, made.angles, threshold, baseline)
+    return _Cameras(made.ring, made.angles, asks.threshold, max(asks.baseline, baseline))
 
 
 def _warn_of_one_place(given: _Cameras) -> None:
@@ -115,17 +116,19 @@ def _evaluate(asked: Request, given: _Cameras, with_maximum: bool) -> tuple[exac
     cameras = given.ring.cameras(given.angles)
     n_ring = asked.rig.settings.ring_cameras if with_maximum else 0
     with progress_bar("evaluating", 2 * len(cameras) + n_ring) as advance:
-        result = exact.evaluate(mesh, cameras, given.threshold, excluded, given.min_baseline, report=advance)
+        result = exact.evaluate(
+            mesh, cameras, threshold=given.threshold, exclude=excluded, min_baseline=given.min_baseline, report=advance
+        )
         single = []
         for camera in cameras:
-            single.append(exact.evaluate(mesh, [camera], 1, excluded).area)
+            single.append(exact.evaluate(mesh, [camera], threshold=1, exclude=excluded).area)
             advance(1)
         refuse_unseen(asked.about, result)
         maximum = None
         if with_maximum:
             around = given.ring.cameras(given.ring.equidistant(n_ring))
             # The ring maximum does not depend on the baseline, so that fractions compare.
-            maximum = exact.evaluate(mesh, around, given.threshold, excluded, report=advance).area
+            maximum = exact.evaluate(mesh, around, threshold=given.threshold, exclude=excluded, report=advance).area
     content = {
         "mesh": {
             "name": asked.about.name,
