@@ -1,15 +1,20 @@
 """Exact T-view areas: the part of a triangle mesh that at least T pinhole cameras see, to rounding."""
 
-from exact.cameras import Camera
-from exact.demand import Demand
-from exact.drawing import NOT_COUNTED, seen_from
-from exact.errors import ExactError
-from exact.evaluate import areas, evaluate, view
-from exact.one_more import OneMore
-from exact.results import Reconstruction, View
-from exact.ring import Ring
-from exact.scene import Scene
-from exact.view_sets import ViewSets, view_sets
+from typing import TYPE_CHECKING
+
+from exact.on_demand import import_on_demand
+
+if TYPE_CHECKING:
+    from exact.cameras import Camera
+    from exact.demand import Demand
+    from exact.drawing import NOT_COUNTED, seen_from
+    from exact.errors import ExactError
+    from exact.evaluate import areas, evaluate, view
+    from exact.one_more import OneMore
+    from exact.results import Reconstruction, View
+    from exact.ring import Ring
+    from exact.scene import Scene
+    from exact.view_sets import ViewSets, view_sets
 
 __all__ = [
     "NOT_COUNTED",
@@ -28,3 +33,5 @@ __all__ = [
     "view",
     "view_sets",
 ]
+
+import_on_demand(__name__)

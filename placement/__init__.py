@@ -4,19 +4,24 @@ A search switches JAX to double precision (`jax_enable_x64`) for the whole proce
 and single precision would move them. What does not search does not import JAX.
 """
 
-from placement.certificate import Certificate
-from placement.constraints import Constraints
-from placement.equidistant import best_equidistant_phase
-from placement.errors import PlacementError
-from placement.jitter import jitter
-from placement.optimise import certify, optimise, place, recommend_count
-from placement.problem import Problem
-from placement.recommend import CountResult, Recommendation, recommend
-from placement.results import Candidate, Placement, SearchRecord, SiteResult
-from placement.robustness import Consensus, Pair, Robustness, consensus, robustness
-from placement.settings import Settings
-from placement.sites import falloff
-from placement.triangulation import Triangulation, triangulation
+from typing import TYPE_CHECKING
+
+from exact.on_demand import import_on_demand
+
+if TYPE_CHECKING:
+    from placement.certificate import Certificate
+    from placement.constraints import Constraints
+    from placement.equidistant import best_equidistant_phase
+    from placement.errors import PlacementError
+    from placement.jitter import jitter
+    from placement.optimise import certify, optimise, place, recommend_count
+    from placement.problem import Problem
+    from placement.recommend import CountResult, Recommendation, recommend
+    from placement.results import Candidate, Placement, SearchRecord, SiteResult
+    from placement.robustness import Consensus, Pair, Robustness, consensus, robustness
+    from placement.settings import Settings
+    from placement.sites import falloff
+    from placement.triangulation import Triangulation, triangulation
 
 __all__ = [
     "Candidate",
@@ -46,3 +51,5 @@ __all__ = [
     "robustness",
     "triangulation",
 ]
+
+import_on_demand(__name__)

@@ -16,6 +16,7 @@ import exact
 import placement
 from experiments.files.errors import InputError
 from experiments.request import layout_file
+from experiments.request import options as request_options
 from experiments.request import rig as rig_file
 from placement.arcs import LayoutSpace
 
@@ -91,7 +92,7 @@ def toml(value):
     return json.dumps(value)
 
 
-KEYS = [(section, name) for section, keys in rig_file.SECTIONS.items() for name in keys]
+KEYS = [(section, name) for section, keys in request_options.sections().items() for name in keys]
 VALUES = NUMBERS | st.lists(NUMBERS, max_size=4) | st.lists(st.lists(NUMBERS, max_size=3), max_size=2) | JSON
 
 

@@ -13,7 +13,7 @@ import typer
 import meshes
 from experiments.cli import app as cli
 from experiments.cli import options
-from experiments.request import rig as rig_file
+from experiments.request import options as request_options
 
 HEAVY = {"numpy", "jax", "scipy", "shapely", "trimesh", "matplotlib", "plotly", "placement", "exact", "meshes"}
 # They take minutes to hours: what they do is tested elsewhere, and here they need only be understood.
@@ -114,7 +114,7 @@ def test_defaults_shown_are_those_that_hold(words):
     shown = {p.name: p for p in COMMANDS[words].params}
     checked = 0
     for name, option in shown.items():
-        key = rig_file.KEYS.get("count" if name == "cameras" else name)
+        key = request_options.keys().get("count" if name == "cameras" else name)
         if key is None or option.show_default in (True, None) or key.default is None:
             continue
         assert option.default is None, f"--{name}: its own default would win over a rig file"

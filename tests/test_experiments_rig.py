@@ -11,7 +11,9 @@ import trimesh
 import exact
 import meshes
 import placement
+from experiments.request import options as request_options
 from experiments.request import rig as rig_file
+from experiments.request.option_kinds import NUMBER
 from experiments.request.option_text import parse_angles, parse_arcs
 
 
@@ -41,12 +43,12 @@ def test_the_file_to_start_from_holds_every_key_and_says_what_holds_without_it(c
     assert f"--rig {path}" in " ".join(err.split())
     assert rig_file.rig(path) == rig_file.rig()
     text = path.read_text(encoding="utf-8")
-    for section, keys in rig_file.SECTIONS.items():
+    for section, keys in request_options.sections().items():
         part = text.partition(f"\n[{section}]\n")[2].partition("\n[")[0]
         for name, key in keys.items():
             # Its meaning stands above each; one without a default is commented out.
             assert re.search(rf"^# \S.*\n{'# ' if key.default is None else ''}{name} = \S", part, flags=re.M), name
-            assert key.kind is not rig_file.NUMBER or "[" in key.meaning or name == "scale", f"{name} has no unit"
+            assert key.kind is not NUMBER or "[" in key.meaning or name == "scale", f"{name} has no unit"
     path.write_text("precious", encoding="utf-8")
     assert camring("rig", "init", path)[0] == 2
     assert path.read_text(encoding="utf-8") == "precious"
@@ -67,8 +69,9 @@ def test_without_anything_said_the_library_s_defaults_hold():
     assert rig.ring((36.0, 24.0)) == exact.Ring()
     assert rig.constraints == placement.Constraints()
     assert rig.settings == placement.Settings()
-    assert {field.name for field in dataclasses.fields(placement.Settings)} <= set(rig_file.KEYS)
-    assert sum(map(len, rig_file.SECTIONS.values())) == len(rig_file.KEYS)  # no name stands for two keys
+    assert {field.name for field in dataclasses.fields(placement.Settings)} <= set(request_options.keys())
+    n_keys = sum(map(len, request_options.sections().values()))
+    assert n_keys == len(request_options.keys())  # no name stands for two keys
 
 
 EVERYTHING = """

@@ -1,13 +1,18 @@
-"""Arguments and options that several subcommands of `camring` share: their types, what they mean, how they complete.
+"""What subcommands of `camring` may be given: settings of a request, and what several of them share beside those.
 
-An option that a rig file may set has the default None, so that the file's value holds where the option is not given;
-`show_default` says what holds without either.
+Settings come from `experiments.request.options`, where their meaning is said; `asking` hands them to a subcommand.
+Their own default is None, so that a rig file's value holds where an option is not given; the help shows what holds
+without either.
 """
 
+from collections.abc import Callable, Mapping
+from inspect import Parameter, Signature, signature
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+
+from experiments.request.options import ON_THE_COMMAND_LINE, Option, keys
 
 # Names for the shell to complete; here once more, since where they come from imports what `--help` must not wait for.
 SITES = (
@@ -16,7 +21,6 @@ SITES = (
 )  # fmt: skip
 DETAILS = ("coarse", "middle", "fine")
 BENCHMARKS = ("exact", "sites", "surrogate")
-OBJECTIVES = ("mean", "worst")
 FORMATS = ("colmap", "transforms", "opencv", "glb", "csv")
 
 
@@ -40,52 +44,9 @@ Detail = Annotated[
     str | None,
     typer.Option(help="size of a built-in site: coarse, middle or fine", autocompletion=completing(DETAILS)),
 ]
-Repair = Annotated[
-    bool | None,
-    typer.Option("--repair/--no-repair", help="put right what can be: winding, faces without area", show_default="no"),
-]
-Scale = Annotated[
-    float | None,
-    typer.Option(help="factor from the mesh file's unit to millimetres: 1000 for metres", show_default="1"),
-]
 RigFile = Annotated[
     Path | None,
     typer.Option("--rig", help="TOML file of settings, as camring rig init writes one; options given here win over it"),
-]
-Cameras = Annotated[int | None, typer.Option(help="number of cameras", show_default="4")]
-Threshold = Annotated[int | None, typer.Option(help="number of cameras that must see a point", show_default="2")]
-Fov = Annotated[
-    str | None,
-    typer.Option(help="field of view at the focus, width x height [mm]", show_default="36x24, or the site's own"),
-]
-Diameter = Annotated[float | None, typer.Option(help="diameter of the ring [mm]", show_default="30")]
-Distance = Annotated[
-    float | None, typer.Option(help="distance of the ring's plane from the focus [mm]", show_default="400")
-]
-Focus = Annotated[str | None, typer.Option(help="the point that all cameras look at, x,y,z [mm]", show_default="0,0,0")]
-Exclude = Annotated[
-    str | None,
-    typer.Option(
-        help="faces that do not count: top (the top surface), none, or a file with one face index per line",
-        show_default="top for built-in sites, none for files",
-        autocompletion=completing(("top", "none")),
-    ),
-]
-MinSeparation = Annotated[float | None, typer.Option(help="least distance between two cameras [mm]", show_default="5")]
-MinBaseline = Annotated[
-    float | None, typer.Option(help="least distance between two of the cameras that see a point [mm]", show_default="0")
-]
-MinAngle = Annotated[
-    float | None,
-    typer.Option(help="the same as an angle at the focus [degrees]; the stricter of both counts", show_default="0"),
-]
-Fixed = Annotated[
-    str | None,
-    typer.Option(help="ring angles of cameras that stay where they are, as in 0,90 [degrees]", show_default="none"),
-]
-Forbidden = Annotated[
-    str | None,
-    typer.Option(help="arcs without cameras, start:end, as in 60:90,200:230 [degrees]", show_default="none"),
 ]
 Target = Annotated[
     float | None,
@@ -93,33 +54,6 @@ Target = Annotated[
         help="fraction of the ring maximum that must be reached, or the exit status is 1", show_default="none"
     ),
 ]
-Seed = Annotated[int | None, typer.Option(help="of the search; the same seed gives the same layout", show_default="0")]
-Certify = Annotated[
-    bool | None,
-    typer.Option("--certify/--no-certify", help="bound what any layout could reconstruct", show_default="certify"),
-]
-Objective = Annotated[
-    str | None,
-    typer.Option(
-        help="of several meshes: maximise the mean of their fractions of the ring maximum, or that of the worst",
-        show_default="mean",
-        autocompletion=completing(OBJECTIVES),
-    ),
-]
-SiteWeights = Annotated[
-    str | None, typer.Option(help="how much each mesh counts in the mean, as in 1,2", show_default="all equally")
-]
-Falloff = Annotated[
-    float | None,
-    typer.Option(
-        help="distance from the focus at which a face counts half, falling off on [mm]", show_default="all count fully"
-    ),
-]
-Jitter = Annotated[
-    int | None, typer.Option(help="poses of each mesh to serve, the mesh as it is among them", show_default="1")
-]
-TiltDeg = Annotated[float | None, typer.Option(help="greatest tilt of the poses [degrees]", show_default="2")]
-ShiftMm = Annotated[float | None, typer.Option(help="greatest shift of the poses [mm]", show_default="1")]
 ReportOnly = Annotated[
     bool, typer.Option("--report-only", help="compute nothing; write tables and figures anew from what is there")
 ]
@@ -130,3 +64,85 @@ Scheduler = Annotated[
 Json = Annotated[bool, typer.Option("--json", help="results as one JSON document on stdout")]
 Out = Annotated[Path, typer.Option(help="folder for the results; it is made if need be")]
 Force = Annotated[bool, typer.Option("--force", help="replace results that are already there")]
+
+Given = dict[str, Any]
+# Settings that several subcommands take, by the names of their keys, and of classes for all their fields.
+RING = ("fov", "diameter", "working_distance", "focus")
+MESH = ("exclude", "repair", "scale")
+REQUEST = (
+    "Demand", "Constraints", *RING, "exclude", "objective", "site_weights", "falloff_mm", "jitter", "tilt_deg",
+    "shift_mm", "seed", "certify", "repair", "scale",
+)  # fmt: skip
+
+
+class Asking:
+    """A subcommand that takes settings of a request.
+
+    It is called with everything by name, and calls `function` with the settings in one dict `options`, by the names of
+    their keys. Which there are is looked up whenever its signature is read, for a class may have got another field.
+
+    Parameters
+    ----------
+    function : callable
+        With a parameter `options`, in whose place the settings stand.
+    wanted : tuple of str
+        Names of keys, and of classes for all their fields.
+    otherwise : mapping
+        What holds where an option is not given, in words, by the names of keys for which it is not the default.
+    """
+
+    def __init__(self, function: Callable[..., None], wanted: tuple[str, ...], otherwise: Mapping[str, str]):
+        self.function, self.wanted, self.otherwise = function, wanted, otherwise
+        self.__name__, self.__doc__ = function.__name__, function.__doc__
+        self.__annotations__ = {}  # all of them stand in the signature
+
+    @property
+    def __signature__(self) -> Signature:
+        asked = [_parameter(one, self.otherwise.get(one.name, one.shown_default)) for one in self._settings()]
+        own = signature(self.function).parameters.values()
+        everything = [two for one in own for two in (asked if one.name == "options" else [one])]
+        return Signature([one.replace(kind=Parameter.KEYWORD_ONLY) for one in everything])
+
+    def __call__(self, **given: Any) -> None:
+        """Run it with what the command line gives."""
+        options = {one.name: given.pop(_parameter_name(one)) for one in self._settings()}
+        self.function(options=options, **given)
+
+    def _settings(self) -> list[Option]:
+        known, found = keys(*ON_THE_COMMAND_LINE), {}
+        for name in self.wanted:
+            found |= {one.name: one for one in known.values() if name in (one.name, *one.classes)}
+        return list(found.values())
+
+
+def asking(*wanted: str, otherwise: Mapping[str, str] | None = None) -> Callable[[Callable[..., None]], Asking]:
+    """Let a subcommand take these settings of a request: names of keys, and of classes for all their fields.
+
+    Examples
+    --------
+    >>> @asking("count", "Demand")
+    ... def show(options: Given, json: Json = False):
+    ...     print(options["count"], options["min_baseline"], json)
+    >>> list(signature(show).parameters)[:3]
+    ['cameras', 'threshold', 'min_baseline']
+    >>> show(cameras=3, threshold=None, min_baseline=5.0, json=True)
+    3 5.0 True
+    """
+    return lambda function: Asking(function, wanted, otherwise or {})
+
+
+def _parameter_name(option: Option) -> str:
+    return option.option or option.name
+
+
+def _parameter(option: Option, otherwise: str) -> Parameter:
+    """The option as typer understands it."""
+    no = (f"{option.flag}/--no-{option.flag[2:]}",) if option.kind.given_as is bool else ()
+    completion = completing(option.choices) if option.choices else None
+    shown = typer.Option(*no, help=option.help, show_default=otherwise, autocompletion=completion)
+    return Parameter(
+        _parameter_name(option),
+        Parameter.KEYWORD_ONLY,
+        default=None,
+        annotation=Annotated[option.kind.given_as | None, shown],  # type: ignore[valid-type]
+    )

@@ -8,7 +8,7 @@ import numpy as np
 
 import placement
 from experiments.request.layout_file import LayoutFile
-from experiments.request.rig import SECTIONS
+from experiments.request.options import sections
 from experiments.request.rig_template import toml_value
 from meshes import EXPECTED
 
@@ -102,7 +102,7 @@ def rig(made: LayoutFile) -> str:
         **{field.name: content["settings"].get(field.name) for field in fields(placement.Settings)},
     }
     lines = []
-    for section, keys in SECTIONS.items():
+    for section, keys in sections().items():
         written = [
             f"{name} = {toml_value(values[name])}"
             for name, key in keys.items()

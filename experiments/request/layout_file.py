@@ -13,6 +13,8 @@ import exact
 from exact.requests import checked_demand, demand_keywords
 from experiments.files.errors import InputError
 from experiments.files.whole import written_whole
+from experiments.request.declared_fields import declared
+from experiments.request.options import CLASSES
 from meshes import fingerprint
 
 if TYPE_CHECKING:  # at run time it would bring jax along, which reading a layout hardly ever needs
@@ -21,9 +23,9 @@ if TYPE_CHECKING:  # at run time it would bring jax along, which reading a layou
 
 FORMAT = "camring layout"
 VERSION = 1
-# Fields of `placement.Constraints`, here once more for the same reason.
-CONSTRAINTS = ("fixed", "forbidden", "min_angle", "min_baseline", "min_separation")
-RING = ("diameter_mm", "working_distance_mm", "fov_mm", "focus_mm", "axis")
+CONSTRAINTS = tuple(sorted(field.name for field in declared(*CLASSES["Constraints"])))
+# What the file calls each field of a ring: with its unit, where it has one.
+RING = {field.name: f"{field.name}_mm" if "[mm]" in field.words else field.name for field in declared(*CLASSES["Ring"])}
 # All that any command has written into a layout file; another field is a slip of whoever edited it.
 FIELDS = (
     "format", "version", "ring", "n_cameras", "threshold", "demand", "angles_deg", "angles_rad",
@@ -69,13 +71,8 @@ class LayoutFile:
 
 def ring_content(ring: exact.Ring) -> dict[str, Any]:
     """The ring as it stands in the file, lengths in millimetres."""
-    return {
-        "diameter_mm": ring.diameter,
-        "working_distance_mm": ring.working_distance,
-        "fov_mm": list(ring.fov),
-        "focus_mm": list(ring.focus),
-        "axis": list(ring.axis),
-    }
+    values = {key: getattr(ring, name) for name, key in RING.items()}
+    return {key: list(value) if isinstance(value, tuple) else value for key, value in values.items()}
 
 
 def placement_content(found: "placement.Placement", asked: "Request") -> dict[str, Any]:
@@ -182,14 +179,8 @@ def read(path: Path) -> LayoutFile:
     if not isinstance(ring, dict) or not {"diameter_mm", "working_distance_mm", "fov_mm"} <= set(ring):
         raise InputError(f'{path}: "ring" must give diameter_mm, working_distance_mm and fov_mm')
     try:
-        _refuse_unknown(ring, RING, ' in "ring"')
-        made = exact.Ring(
-            diameter=ring["diameter_mm"],
-            working_distance=ring["working_distance_mm"],
-            fov=ring["fov_mm"],
-            focus=ring.get("focus_mm", (0.0, 0.0, 0.0)),
-            axis=ring.get("axis", (0.0, 0.0, 1.0)),
-        )
+        _refuse_unknown(ring, tuple(RING.values()), ' in "ring"')
+        made = exact.Ring(**{name: ring[key] for name, key in RING.items() if key in ring})
         angles = _angles(content)
         made.positions(angles)
         demand = _demand(content, made, len(angles))

@@ -4,7 +4,7 @@ import json
 import textwrap
 from typing import Any
 
-from experiments.request.rig import SECTIONS
+from experiments.request.options import sections
 
 HEAD = """
 Rig file of camring: ring, cameras, constraints and search of a request, for --rig.
@@ -22,12 +22,13 @@ def commented() -> str:
     ['[ring]', '# Diameter of the ring [mm].', 'diameter = 30.0']
     """
     lines = [f"# {line}" for line in HEAD.strip().splitlines()]
-    for section, keys in SECTIONS.items():
+    for section, keys in sections().items():
         lines += ["", f"[{section}]"]
         for name, key in keys.items():
-            lines += [f"# {line}" for line in textwrap.wrap(key.meaning, 110)]
             # Without a default there is nothing to set: an example takes its place, commented out.
             unset = key.default is None
+            words = f"{key.meaning} Unless given: {key.shown_default}." if unset else key.meaning
+            lines += [f"# {line}" for line in textwrap.wrap(words, 110)]
             lines.append(f"# {name} = {key.kind.example}" if unset else f"{name} = {toml_value(key.default)}")
     return "\n".join(lines) + "\n"
 

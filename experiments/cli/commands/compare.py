@@ -11,8 +11,8 @@ from experiments.figures.coverage import Panel, write_coverage
 from experiments.files.errors import InputError
 from experiments.files.whole import output_folder
 from experiments.request import layout_file
-from experiments.request.demand import overridden
 from experiments.request.meshes import exclusion, subject
+from experiments.request.rig import overridden
 from experiments.tables import layouts as layout_table
 from experiments.terminal.console import note, print_json, terminal
 from experiments.terminal.progress import progress_bar
@@ -26,19 +26,15 @@ RING_CAMERAS = placement.Settings().ring_cameras
 def run(
     layouts: list[Path],
     mesh: str,
+    options: dict[str, Any],
     *,
-    threshold: int | None,
-    min_baseline: float | None,
-    exclude: str | None,
     depth: float | None,
     detail: str | None,
-    repair: bool,
-    scale: float,
     out: Path | None,
     force: bool,
     as_json: bool,
 ) -> None:
-    """Score, print and write."""
+    """Score, print and write. `options` are those of the rig, by their keys."""
     if len(layouts) < 2:
         raise InputError(f"{len(layouts)} layout is given; at least two are needed to compare")
     read = [layout_file.read(path) for path in layouts]
@@ -50,11 +46,12 @@ def run(
             )
     # One demand for all, or their areas would not compare: of baselines the strictest that any of them was made for.
     strictest = replace(read[0].demand, min_baseline=max(one.demand.min_baseline for one in read))
-    demand = overridden(strictest, {"threshold": threshold, "min_baseline": min_baseline})
-    about = subject(mesh, depth, detail, repair, scale)
+    demand = overridden(strictest, options)
+    scale = 1.0 if options["scale"] is None else options["scale"]
+    about = subject(mesh, depth, detail, bool(options["repair"]), scale)
     for one in read:
         one.refuse_other_mesh(about.mesh, about.name, force)
-    excluded = exclusion(about, exclude)
+    excluded = exclusion(about, options["exclude"])
     scene = exact.Scene(about.mesh, exclude=excluded.mask)
     if out is not None:
         output_folder(out, OUTPUTS, force)

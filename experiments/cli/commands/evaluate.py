@@ -11,10 +11,10 @@ from experiments.files.errors import InputError
 from experiments.files.whole import image_names, output_folder
 from experiments.request import layout_file
 from experiments.request import rig as rig_file
-from experiments.request.demand import overridden
 from experiments.request.meshes import Subject
 from experiments.request.option_text import parse_angles
 from experiments.request.request import Request, request
+from experiments.request.rig import overridden
 from experiments.request.target_fraction import checked_target, reach
 from experiments.terminal.console import note, print_json, table, terminal
 from experiments.terminal.progress import progress_bar

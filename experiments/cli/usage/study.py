@@ -1,0 +1,28 @@
+"""How `camring study` is called."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+import experiments.cli.options as opt
+
+
+def study(
+    quick: Annotated[bool, typer.Option("--quick", help="two sites, 2 and 3 cameras: a first look")] = False,
+    report_only: opt.ReportOnly = False,
+    detail: opt.Detail = None,
+    scheduler: opt.Scheduler = None,
+    out: opt.Out = Path("out/study"),
+    force: opt.Force = False,
+    json: opt.Json = False,
+) -> None:
+    """Optimised against equidistant rings on the ten sites of Wachter 2021, with certificates; takes an hour.
+
+    A run that was stopped goes on where it was when the same command is given again.
+
+    Example: camring study --out out/study
+    """
+    from experiments.cli.commands import study as command_study
+
+    command_study.run(quick, report_only, detail or "coarse", scheduler, out, force, json)
