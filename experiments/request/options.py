@@ -16,7 +16,7 @@ from experiments.request.option_kinds import FLAG, NUMBER, WEIGHTS, WHOLE, WORD,
 SECTIONS = ("ring", "cameras", "demand", "constraints", "search", "mesh", "sites", "poses")
 # Where each class is declared: module and name.
 CLASSES = {
-    "Ring": ("exact.cameras", "Ring"),
+    "Ring": ("exact.ring", "Ring"),
     "Constraints": ("placement.constraints", "Constraints"),
     "Demand": ("exact.demand", "Demand"),
     "Settings": ("placement.settings", "Settings"),
