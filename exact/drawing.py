@@ -6,10 +6,10 @@ import numpy as np
 import shapely
 
 from exact.cameras import Camera
-from exact.clipping import GRID_SIZE, whole_faces
 from exact.demand import Demand
 from exact.evaluate import view
-from exact.projection import image_polygons
+from exact.visibility.clipping import GRID_SIZE, whole_faces
+from exact.visibility.projection import image_polygons
 
 if TYPE_CHECKING:
     from exact.results import Reconstruction

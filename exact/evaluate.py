@@ -9,11 +9,8 @@ import shapely
 import trimesh
 
 from exact.cameras import Camera
-from exact.clipping import FILL_TOLERANCE, unite, whole_faces
-from exact.coverage import Tally, tally
 from exact.demand import Criterion
 from exact.errors import ExactError
-from exact.projection import image_polygons
 from exact.requests import (
     ASKED,
     checked,
@@ -24,6 +21,9 @@ from exact.requests import (
 )
 from exact.results import Reconstruction, View
 from exact.scene import Scene
+from exact.visibility.clipping import FILL_TOLERANCE, unite, whole_faces
+from exact.visibility.coverage import Tally, tally
+from exact.visibility.projection import image_polygons
 from exact.workers import processes
 
 

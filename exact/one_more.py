@@ -9,10 +9,10 @@ import shapely
 import trimesh
 
 from exact.cameras import Camera
-from exact.coverage import BLOCK, Count, Pieces, add_views, spread_order
 from exact.demand import Criterion
 from exact.requests import ASKED, checked, checked_cameras, shows
 from exact.scene import Scene
+from exact.visibility.coverage import BLOCK, Count, Pieces, add_views, spread_order
 
 
 @shows(ASKED)

@@ -8,10 +8,10 @@ import shapely
 import trimesh
 
 from exact.cameras import Camera
-from exact.clipping import whole_faces
-from exact.coverage import Tally
 from exact.demand import Demand
 from exact.scene import Scene
+from exact.visibility.clipping import whole_faces
+from exact.visibility.coverage import Tally
 
 if TYPE_CHECKING:  # drawing alone needs matplotlib
     from matplotlib.axes import Axes

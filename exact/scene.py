@@ -9,7 +9,7 @@ import numpy as np
 import trimesh
 
 from exact.errors import ExactError
-from exact.surface import Surface, prepare
+from exact.visibility.surface import Surface, prepare
 from meshes import fingerprint
 
 # What was prepared of a mesh, for the next request about the same one. A mesh that was changed has another hash, and is

@@ -13,7 +13,6 @@ import shapely
 import trimesh
 
 from exact.cameras import Camera
-from exact.coverage import Pieces, tally
 from exact.demand import Criterion
 from exact.requests import (
     checked_cameras,
@@ -27,6 +26,7 @@ from exact.requests import (
 )
 from exact.results import triangulated
 from exact.scene import Scene
+from exact.visibility.coverage import Pieces, tally
 
 
 @dataclass(frozen=True, eq=False)

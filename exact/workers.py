@@ -18,8 +18,8 @@ from loky.process_executor import ShutdownExecutorError
 
 from exact.cameras import Camera
 from exact.errors import ExactError
-from exact.projection import NEAR
-from exact.surface import Surface
+from exact.visibility.projection import NEAR
+from exact.visibility.surface import Surface
 
 # Each worker has a core to itself; BLAS threads of several would only wait for each other.
 ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}

@@ -9,16 +9,16 @@ from typing import TYPE_CHECKING
 from exact.on_demand import import_on_demand
 
 if TYPE_CHECKING:
-    from placement.certificate import Certificate
-    from placement.constraints import Constraints
-    from placement.equidistant import best_equidistant_phase
     from placement.errors import PlacementError
     from placement.jitter import jitter
+    from placement.layouts.constraints import Constraints
     from placement.optimise import certify, optimise, place, recommend_count
     from placement.problem import Problem
+    from placement.proof.certificate import Certificate
     from placement.recommend import CountResult, Recommendation, recommend
     from placement.results import Candidate, Placement, SearchRecord, SiteResult
     from placement.robustness import Consensus, Pair, Robustness, consensus, robustness
+    from placement.search.equidistant import best_equidistant_phase
     from placement.settings import Settings
     from placement.sites import falloff
     from placement.triangulation import Triangulation, triangulation

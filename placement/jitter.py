@@ -5,8 +5,8 @@ import trimesh
 
 import exact
 from exact.whole_numbers import is_whole
-from placement.constraints import checked_seed
 from placement.errors import PlacementError
+from placement.layouts.constraints import checked_seed
 
 
 def jitter(

@@ -4,12 +4,12 @@ from typing import Any
 
 import exact
 from exact.requests import checked_demand, shows
-from placement.arcs import LayoutSpace
-from placement.certificate import Certificate
-from placement.constraints import Constraints, demanded
 from placement.errors import refusing
+from placement.layouts.arcs import LayoutSpace
+from placement.layouts.constraints import Constraints, demanded
 from placement.problem import ASKED, Problem
 from placement.progress import Progress
+from placement.proof.certificate import Certificate
 from placement.recommend import Recommendation, refuse_target
 from placement.results import Placement
 from placement.sites import Surfaces

@@ -7,22 +7,22 @@ import numpy as np
 
 import exact
 from exact.requests import checked_demand, demand_keywords, refuse_unknown, shows
-from placement.arcs import LayoutSpace
-from placement.certificate import Certificate
-from placement.constraints import Constraints, checked_seed, demanded
 from placement.errors import refusing
-from placement.exchange import SampledCoverage
-from placement.profiles import RingProfiles
+from placement.layouts.arcs import LayoutSpace
+from placement.layouts.constraints import Constraints, checked_seed, demanded
 from placement.progress import Progress
-from placement.proposal import bound, propose
+from placement.proof.certificate import Certificate
 from placement.recommend import Recommendation, recommend, refuse_target
 from placement.results import Placement
-from placement.ring_maximum import Memory, RingMaximum
-from placement.sampled_site import sample_site
-from placement.scoring import ExactScorer, available_cores
+from placement.samples.profiles import RingProfiles
+from placement.samples.sampled_coverage import SampledCoverage
+from placement.samples.sampled_site import sample_site
+from placement.search.proposal import bound, propose
+from placement.search.ring_maximum import Memory, RingMaximum
+from placement.search.scoring import ExactScorer, available_cores
 from placement.settings import Settings
 from placement.sites import Objective, Sites, Surfaces, checked_sites, scene_keywords
-from placement.surrogate import Surrogate
+from placement.surrogate.surrogate import Surrogate
 
 ASKED = {**scene_keywords(), **demand_keywords(), "demand": None}
 
@@ -52,7 +52,7 @@ class Problem:
         Processes that share exact evaluations; by default one for each core. Results do not depend on it.
     progress : callable, optional
         Called with (what, done, total).
-    memory : placement.ring_maximum.Memory, optional
+    memory : placement.search.ring_maximum.Memory, optional
         Where ring maxima evaluated before are found and new ones are kept, such as a dict that several problems share.
     exclude, face_weights
         What of each mesh counts, and how much: `exclude` and `weights` of `exact.Scene`, for all meshes or one

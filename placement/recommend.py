@@ -8,8 +8,8 @@ import numpy as np
 
 import exact
 from exact.whole_numbers import is_whole
-from placement.constraints import Constraints
 from placement.errors import PlacementError
+from placement.layouts.constraints import Constraints
 from placement.progress import Progress, numbered
 from placement.results import Placement
 

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 import exact
-from placement.certificate import Certificate
-from placement.constraints import Constraints
+from placement.layouts.constraints import Constraints
+from placement.proof.certificate import Certificate
 from placement.settings import Settings
 from placement.sites import Objective
 

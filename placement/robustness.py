@@ -6,11 +6,11 @@ import numpy as np
 
 import exact
 from exact.whole_numbers import is_whole
-from placement.constraints import Constraints
 from placement.errors import PlacementError
+from placement.layouts.constraints import Constraints
 from placement.problem import Problem
 from placement.results import Candidate, Placement
-from placement.scoring import canonical
+from placement.search.scoring import canonical
 
 # Pairs are listed until the rest of them would add less than this part of the area.
 PAIRS_ENOUGH = 1e-3

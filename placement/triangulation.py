@@ -10,9 +10,9 @@ import trimesh
 import exact
 from exact.requests import ASKED, checked, shows
 from placement.errors import refusing
-from placement.profiles import Visibility
-from placement.sampled_site import faces_towards, in_view
-from placement.sampling import sample_surface
+from placement.samples.profiles import Visibility
+from placement.samples.sampled_site import faces_towards, in_view
+from placement.samples.sampling import sample_surface
 
 
 @dataclass(frozen=True, eq=False)

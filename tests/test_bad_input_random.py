@@ -18,7 +18,7 @@ from experiments.files.errors import InputError
 from experiments.request import layout_file
 from experiments.request import options as request_options
 from experiments.request import rig as rig_file
-from placement.arcs import LayoutSpace
+from placement.layouts.arcs import LayoutSpace
 
 FUZZER = Path(__file__).parent / "fuzz" / "fuzz_readers.py"
 QUICK = settings(max_examples=300, deadline=None)

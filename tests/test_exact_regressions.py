@@ -8,7 +8,7 @@ from scenes import AWKWARD, above, rectangle
 
 import exact
 import meshes
-from exact.surface import prepare
+from exact.visibility.surface import prepare
 
 
 def test_a_union_that_geos_gets_wrong_is_noticed():

@@ -14,9 +14,9 @@ from experiments.bench.surrogate import Plan, check
 from experiments.bench.surrogate_accuracy import Accuracy
 from experiments.bench.surrogate_statistics import error_sizes, gradient_error, rank_correlation, standard_error
 from experiments.cli import app as cli
-from placement.profiles import RingProfiles
+from placement.samples.profiles import RingProfiles
 from placement.settings import Settings
-from placement.surrogate import Surrogate
+from placement.surrogate.surrogate import Surrogate
 
 TINY = Plan(
     cases=(("circ_flat", 50),),

@@ -8,11 +8,11 @@ import trimesh
 import exact
 import placement
 from placement import Constraints, PlacementError, Settings
-from placement.arcs import TURN, LayoutSpace
-from placement.certificate import cells_of, certify_samples, grid_of, measure
-from placement.exchange import SampledCoverage
-from placement.grid_program import GridProgram, enumerate_all, mixed_integer, solve
-from placement.profiles import RingProfiles
+from placement.layouts.arcs import TURN, LayoutSpace
+from placement.proof.certificate import cells_of, certify_samples, grid_of, measure
+from placement.proof.grid_program import GridProgram, enumerate_all, mixed_integer, solve
+from placement.samples.profiles import RingProfiles
+from placement.samples.sampled_coverage import SampledCoverage
 
 RING = exact.Ring()
 QUICK = Settings(n_samples=600, n_angles=40, certificate_step=float(np.radians(15)), ring_cameras=120)
@@ -77,7 +77,7 @@ def test_blocks_of_halves_leave_nothing_out(monkeypatch):
     site = made_up_site(5)
     program = grid_of(site, LayoutSpace(RING, 4, Constraints(0.0)), exact.Demand(), 18)
     whole = enumerate_all(program)
-    monkeypatch.setattr("placement.grid_program.BLOCK", 7)
+    monkeypatch.setattr("placement.proof.grid_program.BLOCK", 7)
     assert enumerate_all(program) == whole
 
 

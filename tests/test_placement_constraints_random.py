@@ -21,8 +21,8 @@ from hypothesis import strategies as st
 import exact
 import placement
 from placement import Constraints, PlacementError, Settings
-from placement.arcs import LayoutSpace
-from placement.layout import angles_from_arcs, angles_from_gaps
+from placement.layouts.arcs import LayoutSpace
+from placement.layouts.layout import angles_from_arcs, angles_from_gaps
 
 RING = exact.Ring(diameter=26.0, working_distance=350.0)
 SAFE = 1 - 1e-6

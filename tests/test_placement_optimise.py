@@ -8,11 +8,11 @@ import exact
 import meshes
 import placement
 from placement import Constraints, PlacementError, Settings
-from placement.arcs import LayoutSpace
-from placement.exchange import SampledCoverage
-from placement.ring_maximum import RingMaximum
-from placement.sampled_site import sample_site
-from placement.scoring import ExactScorer, polish
+from placement.layouts.arcs import LayoutSpace
+from placement.samples.sampled_coverage import SampledCoverage
+from placement.samples.sampled_site import sample_site
+from placement.search.ring_maximum import RingMaximum
+from placement.search.scoring import ExactScorer, polish
 from placement.sites import checked_sites
 
 RING = exact.Ring()

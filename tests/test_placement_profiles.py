@@ -3,9 +3,9 @@ import pytest
 import trimesh
 
 import exact
-from placement.profiles import RingProfiles, Visibility, ring_profiles
-from placement.sampled_site import faces_towards
-from placement.sampling import SurfaceSamples
+from placement.samples.profiles import RingProfiles, Visibility, ring_profiles
+from placement.samples.sampled_site import faces_towards
+from placement.samples.sampling import SurfaceSamples
 
 UP = np.array([0.0, 0.0, 1.0])
 
@@ -66,7 +66,7 @@ def test_a_face_does_not_hide_itself_even_edge_on():
     wall = trimesh.creation.box((2, 10, 40))
     wall.apply_translation((-10, 0, 20))
     x_face = wall.face_normals[:, 0] > 0.5
-    from placement.sampling import sample_surface
+    from placement.samples.sampling import sample_surface
 
     samples = sample_surface(wall, 2000, exclude=~x_face)
     seen = Visibility(wall).from_angles(samples, exact.Ring(), [0.0])[0]

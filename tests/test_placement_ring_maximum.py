@@ -6,7 +6,7 @@ import trimesh
 
 import exact
 import placement
-from placement.ring_maximum import RingMaximum
+from placement.search.ring_maximum import RingMaximum
 from placement.sites import checked_sites
 
 RING = exact.Ring()

@@ -3,7 +3,7 @@ import pytest
 import trimesh
 
 from placement import PlacementError
-from placement.sampling import sample_surface
+from placement.samples.sampling import sample_surface
 
 
 @pytest.fixture(scope="module")

@@ -11,11 +11,11 @@ import pytest
 from jaxtyping import TypeCheckError, install_import_hook
 
 import exact
-from placement import soft_coverage as module_under_test
-from placement.exchange import SampledCoverage
-from placement.profiles import RingProfiles
-from placement.soft_coverage import SOFT_MINIMUM, Baseline, at_least, signed_distances
-from placement.surrogate import Surrogate
+from placement.samples.profiles import RingProfiles
+from placement.samples.sampled_coverage import SampledCoverage
+from placement.surrogate import soft_coverage as module_under_test
+from placement.surrogate.soft_coverage import SOFT_MINIMUM, Baseline, at_least, signed_distances
+from placement.surrogate.surrogate import Surrogate
 
 COLD = jnp.asarray(1e-9)
 soft_coverage = jax.jit(module_under_test.soft_coverage, static_argnums=4)
@@ -172,7 +172,7 @@ def test_interpolation_is_periodic():
 
 def test_annotated_shapes_hold(profiles, tmp_path, monkeypatch):
     """The module itself, imported under another name with its annotations checked at run time."""
-    source = importlib.util.find_spec("placement.soft_coverage").origin
+    source = importlib.util.find_spec("placement.surrogate.soft_coverage").origin
     shutil.copy(source, tmp_path / "checked_soft_coverage.py")
     monkeypatch.syspath_prepend(tmp_path)
     with install_import_hook("checked_soft_coverage", "beartype.beartype"):

@@ -8,8 +8,8 @@ from scenes import above, rectangle, together
 import exact
 import meshes
 import placement
-from placement.profiles import Visibility
-from placement.sampling import sample_surface
+from placement.samples.profiles import Visibility
+from placement.samples.sampling import sample_surface
 
 SLOPE = 0.005  # so flat that a scale of 1e8 mm would take the two plates for one plane
 CROSSING = together(*(rectangle((-5, 5), (-5, 5), lambda x, y, rise=rise: rise * SLOPE * x) for rise in (1, -1)))

@@ -20,8 +20,8 @@ from experiments.bench.paper_algorithm import t_view_area
 from experiments.files.whole import output_folder, written_whole
 from experiments.terminal.console import note, print_json, table, terminal
 from experiments.terminal.progress import progress_stages
-from placement.sampled_site import faces_towards
-from placement.sampling import sample_surface
+from placement.samples.sampled_site import faces_towards
+from placement.samples.sampling import sample_surface
 
 OUTPUTS = ("bench_exact.csv", "bench_exact.png")
 SITE, DEPTH = "circ_artery", 50

@@ -17,12 +17,12 @@ from experiments.bench.surrogate_statistics import (
     rank_correlation,
     standard_error,
 )
-from placement.arcs import LayoutSpace
-from placement.constraints import Constraints
-from placement.exchange import SampledCoverage
-from placement.sampled_site import SampledSite, sample_site
+from placement.layouts.arcs import LayoutSpace
+from placement.layouts.constraints import Constraints
+from placement.samples.sampled_coverage import SampledCoverage
+from placement.samples.sampled_site import SampledSite, sample_site
 from placement.settings import Settings
-from placement.surrogate import Surrogate
+from placement.surrogate.surrogate import Surrogate
 
 DEMAND = exact.Demand()
 MIN_SEPARATION = 5.0  # mm, the default of `placement.Constraints`

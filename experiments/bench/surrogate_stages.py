@@ -7,13 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from experiments.bench.surrogate_accuracy import DEMAND, MIN_SEPARATION, Truth
-from placement.arcs import LayoutSpace
-from placement.constraints import Constraints
-from placement.descent import descend
-from placement.exchange import SampledCoverage
-from placement.sampled_site import sample_site
+from placement.layouts.arcs import LayoutSpace
+from placement.layouts.constraints import Constraints
+from placement.samples.sampled_coverage import SampledCoverage
+from placement.samples.sampled_site import sample_site
 from placement.settings import Settings
-from placement.surrogate import Surrogate
+from placement.surrogate.descent import descend
+from placement.surrogate.surrogate import Surrogate
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,8 @@ import jax.numpy as jnp
 import numpy as np
 from scipy.stats import spearmanr
 
-from placement.soft_coverage import soft_coverage
-from placement.surrogate import Surrogate
+from placement.surrogate.soft_coverage import soft_coverage
+from placement.surrogate.surrogate import Surrogate
 
 # Half the step of central differences [rad]: rounding costs some 1e-8 of a gradient, curvature at the coldest
 # temperature of 0.005 rad the same, and grid angles, where soft coverage has a kink, are hardly ever so near.
@@ -84,7 +84,7 @@ def gradient_error(surrogate: Surrogate, layouts: Sequence[np.ndarray], temperat
     Examples
     --------
     >>> import exact
-    >>> from placement.profiles import RingProfiles
+    >>> from placement.samples.profiles import RingProfiles
     >>> one_point = RingProfiles.of(np.array([[1.5], [0.0], [-1.5], [0.0]]), np.ones(1))
     >>> surrogate = Surrogate(one_point, exact.Demand(), exact.Ring())
     >>> gradient_error(surrogate, [np.array([-0.5, 0.7])], temperature=0.3) < 1e-6

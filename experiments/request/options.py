@@ -17,7 +17,7 @@ SECTIONS = ("ring", "cameras", "demand", "constraints", "search", "mesh", "sites
 # Where each class is declared: module and name.
 CLASSES = {
     "Ring": ("exact.ring", "Ring"),
-    "Constraints": ("placement.constraints", "Constraints"),
+    "Constraints": ("placement.layouts.constraints", "Constraints"),
     "Demand": ("exact.demand", "Demand"),
     "Settings": ("placement.settings", "Settings"),
 }

@@ -9,8 +9,8 @@ from experiments.files.errors import InputError
 from experiments.files.ring_maximum_cache import RememberedAreas
 from experiments.request.meshes import Exclusion, Subject, exclusion, is_site, subject
 from experiments.request.rig import Rig
-from placement.arcs import LayoutSpace
-from placement.constraints import demanded
+from placement.layouts.arcs import LayoutSpace
+from placement.layouts.constraints import demanded
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,7 +16,7 @@ from experiments.request.rig import overridden
 from experiments.tables import layouts as layout_table
 from experiments.terminal.console import note, print_json, terminal
 from experiments.terminal.progress import progress_bar
-from placement.ring_maximum import unbased
+from placement.search.ring_maximum import unbased
 
 OUTPUTS = ("layouts.csv", "coverage.png")
 # Equidistant cameras whose exact area is the ring maximum (Wachter 2021, Table A1).

@@ -18,7 +18,7 @@ from experiments.request.rig import overridden
 from experiments.request.target_fraction import checked_target, reach
 from experiments.terminal.console import note, print_json, table, terminal
 from experiments.terminal.progress import progress_bar
-from placement.ring_maximum import unbased
+from placement.search.ring_maximum import unbased
 
 OUTPUTS = ("reconstructable.stl", "reconstructable.ply", "coverage.ply", "coverage.glb", "evaluation.json")
 # Cameras nearer to each other than this [mm] are in one place: less than any mount moves.

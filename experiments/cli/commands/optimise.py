@@ -24,7 +24,7 @@ from experiments.tables import robustness as robustness_table
 from experiments.tables import sites as site_table
 from experiments.terminal.console import note, print_json, terminal
 from experiments.terminal.progress import progress_stages
-from placement.scoring import available_cores
+from placement.search.scoring import available_cores
 
 OUTPUTS = ("layout.json", "layouts.csv", "coverage.png")
 # Sample points for triangulation angles, shared by all meshes and poses, and the fewest that each gets.

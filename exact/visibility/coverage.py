@@ -15,11 +15,11 @@ import numpy as np
 import shapely
 
 from exact.cameras import Camera
-from exact.clipping import cut_pieces, unite, whole_faces
 from exact.demand import Criterion
-from exact.occlusion import CUT, WHOLE, Sight, look
-from exact.projection import project
-from exact.surface import Surface
+from exact.visibility.clipping import cut_pieces, unite, whole_faces
+from exact.visibility.occlusion import CUT, WHOLE, Sight, look
+from exact.visibility.projection import project
+from exact.visibility.surface import Surface
 from exact.workers import processes, shares
 
 # Cameras per block. Within a block no face is cut before all its cameras have been looked through, since most faces

@@ -7,8 +7,8 @@ import trimesh
 
 import exact
 from placement.errors import PlacementError
-from placement.profiles import RingProfiles, Visibility, ring_profiles
-from placement.sampling import SurfaceSamples, sample_surface
+from placement.samples.profiles import RingProfiles, Visibility, ring_profiles
+from placement.samples.sampling import SurfaceSamples, sample_surface
 from placement.settings import Settings
 
 # Ring angles at which is asked where a camera may look; what lies between is covered by a margin.

@@ -8,8 +8,8 @@ import numpy as np
 import shapely
 
 from exact.errors import ExactError
-from exact.screen import counting
-from exact.silhouettes import Cuts
+from exact.visibility.screen import counting
+from exact.visibility.silhouettes import Cuts
 
 # The cells of a piece must fill it up to this part of it, or the cutting is done again on a precision grid.
 FILL_TOLERANCE = 1e-10

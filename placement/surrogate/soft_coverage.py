@@ -13,7 +13,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-import placement.double_precision  # noqa: F401 - angles to 1e-9 rad
+import placement.surrogate.double_precision  # noqa: F401 - angles to 1e-9 rad
 
 # Width of the soft minimum over several sites, in fractions: what differs by less counts about alike.
 SOFT_MINIMUM = 0.01

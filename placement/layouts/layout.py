@@ -9,15 +9,15 @@ unconstrained minimiser can search over parameters. Two maps:
   With y_i = angle_i - i x minimum gap the cameras are feasible when the y_i do not decrease and each lies in its
   (shifted) arc, so each y_i is a sigmoid share of the way from the least to the greatest value it may take.
 
-The way back is in `placement.layout_parameters`.
+The way back is in `placement.layouts.layout_parameters`.
 """
 
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-import placement.double_precision  # noqa: F401 - angles to 1e-9 rad
-from placement.layout_parameters import Arcs
+import placement.surrogate.double_precision  # noqa: F401 - angles to 1e-9 rad
+from placement.layouts.layout_parameters import Arcs
 
 
 def angles_from_gaps(parameters: Float[Array, " M+1"], minimum_gap: Float[Array, ""]) -> Float[Array, " M"]:

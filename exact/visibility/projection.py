@@ -10,7 +10,7 @@ import numpy as np
 import shapely
 
 from exact.cameras import Camera
-from exact.surface import Surface
+from exact.visibility.surface import Surface
 
 # Parts of a face nearer than this part of the target distance are cut away: they are in the camera's own housing.
 NEAR = 1e-6

@@ -9,10 +9,10 @@ import numpy as np
 import optimistix as optx
 from jaxtyping import Bool, Float, Int
 
-from placement.layout import angles_from_arcs, angles_from_gaps
-from placement.layout_parameters import Arcs
-from placement.soft_coverage import soft_coverage
-from placement.surrogate import Surrogate
+from placement.layouts.layout import angles_from_arcs, angles_from_gaps
+from placement.layouts.layout_parameters import Arcs
+from placement.surrogate.soft_coverage import soft_coverage
+from placement.surrogate.surrogate import Surrogate
 
 # BFGS stops when a step changes parameters [rad or logits] and coverage by less than this, relatively plus
 # absolutely: far below what the samples resolve.

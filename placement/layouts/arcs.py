@@ -11,10 +11,10 @@ import numpy as np
 
 import exact
 from exact.ring import MOST_CAMERAS
-from placement.constraints import GAP_MARGIN, LENGTH_TOLERANCE, Constraints, offered
 from placement.errors import PlacementError
-from placement.layout_parameters import Arcs, arcs_from_angles, gaps_from_angles
-from placement.open_arcs import TURN, greatest_separation, most_cameras, open_arcs, widest_pair
+from placement.layouts.constraints import GAP_MARGIN, LENGTH_TOLERANCE, Constraints, offered
+from placement.layouts.layout_parameters import Arcs, arcs_from_angles, gaps_from_angles
+from placement.layouts.open_arcs import TURN, greatest_separation, most_cameras, open_arcs, widest_pair
 
 
 class LayoutSpace:

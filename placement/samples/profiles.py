@@ -22,7 +22,7 @@ import exact
 from exact.ring import MOST_CAMERAS
 from exact.whole_numbers import is_whole
 from placement.errors import PlacementError
-from placement.sampling import SurfaceSamples
+from placement.samples.sampling import SurfaceSamples
 
 # Embree computes in single precision. A ray starts this fraction of the mesh's extent above its face: some 30 times
 # the rounding of a coordinate, so it does not hit the face it leaves. Not more: walls of a channel are seen under one
@@ -120,7 +120,7 @@ class Visibility:
 
     Examples
     --------
-    >>> from placement.sampling import sample_surface
+    >>> from placement.samples.sampling import sample_surface
     >>> plate = trimesh.creation.box((10, 10, 1))
     >>> samples = sample_surface(plate, 100)
     >>> seen = Visibility(plate).from_angles(samples, exact.Ring(), [0.0, 1.0])
@@ -222,7 +222,7 @@ def ring_profiles(
 
     Examples
     --------
-    >>> from placement.sampling import sample_surface
+    >>> from placement.samples.sampling import sample_surface
     >>> plate = trimesh.creation.box((10, 10, 1))
     >>> top = sample_surface(plate, 50, exclude=plate.face_normals[:, 2] < 0.5)
     >>> profiles = ring_profiles(plate, top, exact.Ring(), n_angles=12)

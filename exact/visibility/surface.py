@@ -9,7 +9,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from exact.errors import ExactError
-from exact.intersections import Intersections, Planes, intersecting_faces
+from exact.visibility.intersections import Intersections, Planes, intersecting_faces
 
 # A face whose height is below this part of its longest edge has no normal that could be trusted: it counts as area 0.
 THINNEST_FACE = 1e-12

@@ -16,9 +16,9 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from exact.projection import Image
-from exact.screen import Screen, counting
-from exact.silhouettes import Cuts, crossings
+from exact.visibility.projection import Image
+from exact.visibility.screen import Screen, counting
+from exact.visibility.silhouettes import Cuts, crossings
 
 HIDDEN, WHOLE, CUT = 0, 1, 2
 

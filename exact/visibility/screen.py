@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from exact.projection import Image
+from exact.visibility.projection import Image
 
 # Two faces that differ less in depth (relatively) may be in the same plane, which is then looked into.
 SAME_DEPTH = 1e-7

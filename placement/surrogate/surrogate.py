@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 import exact
-from placement.profiles import RingProfiles
+from placement.samples.profiles import RingProfiles
 
 if TYPE_CHECKING:
-    from placement.soft_coverage import Points
+    from placement.surrogate.soft_coverage import Points
 
 # The number of points is rounded up to a multiple of this.
 POINTS_PER_STEP = 1024
@@ -32,7 +32,7 @@ class Surrogate:
 
     Examples
     --------
-    >>> from placement.profiles import RingProfiles
+    >>> from placement.samples.profiles import RingProfiles
     >>> one_point = RingProfiles.of(np.array([[1.5], [0.0], [-1.5], [0.0]]), np.ones(1))
     >>> round(Surrogate(one_point, exact.Demand(), exact.Ring()).at([-0.5, 0.5], temperature=1e-3), 9)
     1.0
@@ -47,7 +47,7 @@ class Surrogate:
         """The points as arrays of JAX."""
         import jax.numpy as jnp
 
-        from placement.soft_coverage import Baseline, Points
+        from placement.surrogate.soft_coverage import Baseline, Points
 
         profiles = self._profiles
         weights = np.zeros((profiles.n_sites, len(profiles.weights)))
@@ -65,7 +65,7 @@ class Surrogate:
         """Soft coverage of a layout of (M,) ring angles [rad] at a temperature [rad]."""
         import jax.numpy as jnp
 
-        from placement.soft_coverage import compiled_coverage
+        from placement.surrogate.soft_coverage import compiled_coverage
 
         return float(
             compiled_coverage(jnp.asarray(angles), self.points, jnp.asarray(temperature), self.demand.threshold)

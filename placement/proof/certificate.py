@@ -15,11 +15,11 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 import exact
-from placement.arcs import TURN, LayoutSpace
-from placement.constraints import GAP_MARGIN
-from placement.exchange import SampledCoverage
-from placement.grid_program import QUICK_MULTIPLICATIONS, GridProgram, GridSolution, multiplications, solve
-from placement.profiles import RingProfiles
+from placement.layouts.arcs import TURN, LayoutSpace
+from placement.layouts.constraints import GAP_MARGIN
+from placement.proof.grid_program import QUICK_MULTIPLICATIONS, GridProgram, GridSolution, multiplications, solve
+from placement.samples.profiles import RingProfiles
+from placement.samples.sampled_coverage import SampledCoverage
 from placement.settings import Settings
 
 # The mixed-integer program stops at this relative gap: what "proven" means.

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from exact.projection import NEAR, Image
-from exact.screen import SAME_DEPTH, Screen, barycentric, greatest, hides, least, seen_from_outside
+from exact.visibility.projection import NEAR, Image
+from exact.visibility.screen import SAME_DEPTH, Screen, barycentric, greatest, hides, least, seen_from_outside
 
 # Segments are followed this far beyond a face (in parts of the face), so that they surely reach its outline.
 MARGIN = 1e-7

@@ -3,7 +3,7 @@
 import numpy as np
 
 import exact
-from placement.constraints import GAP_MARGIN, OFFER_STEP, Constraints, offered
+from placement.layouts.constraints import GAP_MARGIN, OFFER_STEP, Constraints, offered
 
 TURN = 2 * np.pi
 

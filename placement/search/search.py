@@ -4,15 +4,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from placement.arcs import LayoutSpace
-from placement.layout_parameters import Arcs
-from placement.scoring import distinct
+from placement.layouts.arcs import LayoutSpace
+from placement.layouts.layout_parameters import Arcs
+from placement.search.scoring import distinct
 from placement.settings import Settings
-from placement.surrogate import Surrogate
+from placement.surrogate.surrogate import Surrogate
 
 if TYPE_CHECKING:
-    from placement.descent import DescentEnd
     from placement.problem import Problem
+    from placement.surrogate.descent import DescentEnd
 
 
 def search(problem: "Problem", space: LayoutSpace) -> tuple[list[np.ndarray], dict[str, int]]:
@@ -38,7 +38,7 @@ def search(problem: "Problem", space: LayoutSpace) -> tuple[list[np.ndarray], di
 
 
 def _descended(starts: list[np.ndarray], surrogate: Surrogate, space: LayoutSpace, settings: Settings) -> "DescentEnd":
-    from placement.descent import descend  # JAX takes a second to import, and what does not search needs none
+    from placement.surrogate.descent import descend  # JAX takes a second to import, and what does not search needs none
 
     parameters, arcs = zip(*(space.parameters(start) for start in starts), strict=True)
     stacked = None

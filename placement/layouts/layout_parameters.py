@@ -1,4 +1,4 @@
-"""From layouts back to the free parameters of `placement.layout`, whose maps these invert; without JAX."""
+"""From layouts back to the free parameters of `placement.layouts.layout`, whose maps these invert; without JAX."""
 
 from typing import NamedTuple
 
@@ -10,7 +10,7 @@ SMALLEST_SHARE = 1e-12
 
 
 class Arcs(NamedTuple):
-    """Where each of m free cameras may be, in order around the ring; made by `placement.arcs`.
+    """Where each of m free cameras may be, in order around the ring; made by `placement.layouts.arcs`.
 
     Both rows already have i x minimum gap subtracted, do not decrease, and lower <= upper. Where JAX computes with
     them, the arrays are its own.
@@ -37,7 +37,7 @@ def gaps_from_angles(angles, minimum_gap: float) -> np.ndarray:
 
     Examples
     --------
-    >>> from placement.layout import angles_from_gaps
+    >>> from placement.layouts.layout import angles_from_gaps
     >>> parameters = gaps_from_angles([0.2, 3.0, 1.0], 0.1)
     >>> angles_from_gaps(parameters, 0.1).round(9).tolist()
     [0.2, 1.0, 3.0]

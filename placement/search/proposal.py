@@ -5,14 +5,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from placement.arcs import LayoutSpace
-from placement.certificate import Certificate, certify_samples, measure
-from placement.equidistant import compared_phases
 from placement.errors import PlacementError
+from placement.layouts.arcs import LayoutSpace
 from placement.progress import Progress, nothing
+from placement.proof.certificate import Certificate, certify_samples, measure
 from placement.results import Candidate, Placement, SearchRecord, SiteResult, library_versions
-from placement.scoring import canonical, polish
-from placement.search import search
+from placement.search.equidistant import compared_phases
+from placement.search.scoring import canonical, polish
+from placement.search.search import search
 
 if TYPE_CHECKING:
     from placement.problem import Problem

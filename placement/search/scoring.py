@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 import exact
-from placement.arcs import LayoutSpace
-from placement.ring_maximum import RingMaximum
+from placement.layouts.arcs import LayoutSpace
+from placement.search.ring_maximum import RingMaximum
 from placement.sites import Sites
 
 # An improvement of the exact fraction smaller than this is rounding, not a better layout.

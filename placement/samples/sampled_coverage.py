@@ -11,8 +11,8 @@ import numpy as np
 
 import exact
 from exact.demand import Criterion
-from placement.arcs import LayoutSpace
-from placement.profiles import RingProfiles
+from placement.layouts.arcs import LayoutSpace
+from placement.samples.profiles import RingProfiles
 
 # Angles for moving two cameras at once: 3 degrees, which one camera at a time then refines.
 PAIR_GRID = 120

@@ -4,8 +4,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from placement.arcs import LayoutSpace
-from placement.constraints import Constraints
+from placement.layouts.arcs import LayoutSpace
+from placement.layouts.constraints import Constraints
 
 if TYPE_CHECKING:
     from placement.problem import Problem

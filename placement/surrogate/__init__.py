@@ -1,0 +1,1 @@
+"""Soft coverage, which can be differentiated, and the descent along it."""
