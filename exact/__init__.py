@@ -9,12 +9,13 @@ if TYPE_CHECKING:
     from exact.demand import Demand
     from exact.drawing import NOT_COUNTED, seen_from
     from exact.errors import ExactError
-    from exact.evaluate import areas, evaluate, view
+    from exact.evaluate import areas, evaluate
     from exact.one_more import OneMore
-    from exact.results import Reconstruction, View
+    from exact.results import Reconstruction
     from exact.ring import Ring
     from exact.scene import Scene
     from exact.view_sets import ViewSets, view_sets
+    from exact.visibility.view import View, view
 
 __all__ = [
     "NOT_COUNTED",

@@ -7,9 +7,9 @@ import shapely
 
 from exact.cameras import Camera
 from exact.demand import Demand
-from exact.evaluate import view
 from exact.visibility.clipping import GRID_SIZE, whole_faces
 from exact.visibility.projection import image_polygons
+from exact.visibility.view import view
 
 if TYPE_CHECKING:
     from exact.results import Reconstruction

@@ -1,4 +1,4 @@
-"""The two questions: what does one camera see, and what can a set of cameras reconstruct."""
+"""What a set of cameras reconstructs."""
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import as_completed
@@ -15,58 +15,14 @@ from exact.requests import (
     ASKED,
     checked,
     checked_cameras,
-    checked_scene,
     checked_workers,
     shows,
 )
-from exact.results import Reconstruction, View
+from exact.results import Reconstruction
 from exact.scene import Scene
-from exact.visibility.clipping import FILL_TOLERANCE, unite, whole_faces
+from exact.visibility.clipping import FILL_TOLERANCE
 from exact.visibility.coverage import Tally, tally
-from exact.visibility.projection import image_polygons
 from exact.workers import processes
-
-
-def view(mesh: trimesh.Trimesh | Scene, camera: Camera) -> View:
-    """What `camera` sees of `mesh`, exactly.
-
-    Parameters
-    ----------
-    mesh : trimesh.Trimesh or Scene
-        See `evaluate` for what is seen. Faces that do not count are part of it.
-    camera : Camera
-
-    Returns
-    -------
-    View
-
-    Examples
-    --------
-    >>> import trimesh
-    >>> plate = trimesh.Trimesh([[-5, -5, 0], [5, -5, 0], [5, 5, 0], [-5, 5, 0]], [[0, 1, 2], [0, 2, 3]])
-    >>> camera = Camera.look_at((0, 0, 400), target=(0, 0, 0), up=(0, 1, 0))
-    >>> round(view(plate, camera).area, 9)
-    100.0
-    >>> view(plate, Camera.look_at((0, 0, -400), (0, 0, 0), up=(0, 1, 0))).area  # from behind
-    0.0
-    """
-    scene = checked_scene(mesh, {})
-    surface = scene.surface
-    every_face = np.ones(len(surface.faces), dtype=bool)
-    seen = tally(surface, checked_cameras([camera]), Criterion(1), every_face, workers=1)
-    whole = seen.whole_seen[:, 0] & ~seen.is_cut
-    visible = seen.pieces.seen[:, 0]
-    face, first = np.unique(seen.pieces.face[visible], return_index=True)
-    group = np.repeat(np.arange(len(face)), np.diff(np.append(first, visible.sum())))
-    piece, _, repairs = unite(group, seen.pieces.polygon[visible])
-    areas = np.where(whole, surface.areas, 0.0)
-    areas[face] = 2 * surface.areas[face] * shapely.area(piece)
-
-    polygons = np.full(len(surface.faces), shapely.Polygon(), dtype=object)
-    shown = np.flatnonzero(whole)
-    polygons[shown] = image_polygons(surface, camera, shown, whole_faces(len(shown)))
-    polygons[face] = image_polygons(surface, camera, face, piece)
-    return View(camera, areas, polygons, seen.n_repairs + repairs, scene.mesh, (shown, face, piece))
 
 
 @shows(ASKED)

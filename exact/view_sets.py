@@ -24,9 +24,9 @@ from exact.requests import (
     scene_keywords,
     shows,
 )
-from exact.results import triangulated
 from exact.scene import Scene
 from exact.visibility.coverage import Pieces, tally
+from exact.visibility.triangulated import triangulated
 
 
 @dataclass(frozen=True, eq=False)

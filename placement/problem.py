@@ -7,6 +7,7 @@ import numpy as np
 
 import exact
 from exact.requests import checked_demand, demand_keywords, refuse_unknown, shows
+from exact.workers import available_cores
 from placement.errors import refusing
 from placement.layouts.arcs import LayoutSpace
 from placement.layouts.constraints import Constraints, checked_seed, demanded
@@ -19,7 +20,7 @@ from placement.samples.sampled_coverage import SampledCoverage
 from placement.samples.sampled_site import sample_site
 from placement.search.proposal import bound, propose
 from placement.search.ring_maximum import Memory, RingMaximum
-from placement.search.scoring import ExactScorer, available_cores
+from placement.search.scoring import ExactScorer
 from placement.settings import Settings
 from placement.sites import Objective, Sites, Surfaces, checked_sites, scene_keywords
 from placement.surrogate.surrogate import Surrogate

@@ -8,9 +8,9 @@ import exact
 from exact.whole_numbers import is_whole
 from placement.errors import PlacementError
 from placement.layouts.constraints import Constraints
+from placement.layouts.distinct import canonical
 from placement.problem import Problem
 from placement.results import Candidate, Placement
-from placement.search.scoring import canonical
 
 # Pairs are listed until the rest of them would add less than this part of the area.
 PAIRS_ENOUGH = 1e-3

@@ -8,9 +8,9 @@ from hypothesis import strategies as st
 import exact
 from placement import Constraints, PlacementError
 from placement.layouts.arcs import LayoutSpace
+from placement.layouts.distinct import canonical, distinct
 from placement.layouts.layout import angles_from_arcs, angles_from_gaps
 from placement.layouts.layout_parameters import gaps_from_angles
-from placement.search.scoring import canonical, distinct
 
 QUICK = settings(max_examples=60, deadline=None)
 any_angle = st.floats(-7, 14)

@@ -11,8 +11,9 @@ from placement import Constraints, PlacementError, Settings
 from placement.layouts.arcs import LayoutSpace
 from placement.samples.sampled_coverage import SampledCoverage
 from placement.samples.sampled_site import sample_site
+from placement.search.polish import polish
 from placement.search.ring_maximum import RingMaximum
-from placement.search.scoring import ExactScorer, polish
+from placement.search.scoring import ExactScorer
 from placement.sites import checked_sites
 
 RING = exact.Ring()

@@ -7,11 +7,12 @@ import numpy as np
 
 from placement.errors import PlacementError
 from placement.layouts.arcs import LayoutSpace
+from placement.layouts.distinct import canonical
 from placement.progress import Progress, nothing
 from placement.proof.certificate import Certificate, certify_samples, measure
 from placement.results import Candidate, Placement, SearchRecord, SiteResult, library_versions
 from placement.search.equidistant import compared_phases
-from placement.search.scoring import canonical, polish
+from placement.search.polish import polish
 from placement.search.search import search
 
 if TYPE_CHECKING:

@@ -1,17 +1,13 @@
-"""The one place that turns layouts into exact areas, and what follows from them: polish."""
+"""The one place that turns layouts into exact areas, each of them once."""
 
-import os
 from collections.abc import Callable, Sequence
 
 import numpy as np
 
 import exact
-from placement.layouts.arcs import LayoutSpace
+from placement.layouts.distinct import canonical
 from placement.search.ring_maximum import RingMaximum
 from placement.sites import Sites
-
-# An improvement of the exact fraction smaller than this is rounding, not a better layout.
-WORTHWHILE = 1e-7
 
 
 class ExactScorer:
@@ -90,100 +86,3 @@ class ExactScorer:
         others = self.ring.cameras(np.delete(angles, camera)) if len(angles) > 1 else ()
         layouts = [exact.OneMore(site.scene, others, demand=self.demand) for site in self.sites.members]
         return lambda angle: self.combined([one.area(self.ring.cameras([angle])[0]) for one in layouts])
-
-
-def available_cores() -> int:
-    """Cores that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
-def canonical(angles) -> np.ndarray:
-    """(M,) the same layout with ring angles increasing in [0, 2 pi).
-
-    Examples
-    --------
-    >>> canonical([7.0, -1.0, 2.0]).round(3).tolist()
-    [0.717, 2.0, 5.283]
-    """
-    turned = np.mod(np.asarray(angles, dtype=np.float64), 2 * np.pi)
-    turned[turned >= 2 * np.pi] = 0.0  # np.mod rounds tiny negative angles up to a full turn
-    return np.sort(turned)
-
-
-def distinct(layouts: list[np.ndarray], tolerance: float) -> list[int]:
-    """Indices of the layouts that differ from every one before them, whatever the order of the cameras.
-
-    Parameters
-    ----------
-    layouts : list of (M,) ndarray
-        Ring angles [rad], best layout first.
-    tolerance : float
-        Two layouts are the same if no camera differs by more [rad].
-
-    Examples
-    --------
-    >>> distinct([np.array([0.0, 1.0]), np.array([1.0, 6.28]), np.array([0.0, 2.0])], 0.01)
-    [0, 2]
-    """
-    if not layouts:
-        return []
-    sorted_angles = np.stack([canonical(layout) for layout in layouts])
-    first_is = (np.arange(sorted_angles.shape[1])[:, None] + np.arange(sorted_angles.shape[1])) % sorted_angles.shape[1]
-    kept: list[int] = []
-    for i, this in enumerate(sorted_angles):
-        turns = this[first_is]  # (M, M): the same cameras, counted from each of them
-        difference = np.abs(turns[:, None, :] - sorted_angles[kept])
-        difference = np.minimum(difference, 2 * np.pi - difference).max(axis=2)
-        if not (difference <= tolerance).any():
-            kept.append(i)
-    return kept
-
-
-def polish(
-    scorer: ExactScorer, space: LayoutSpace, angles, steps: tuple[float, ...], max_sweeps: int
-) -> tuple[np.ndarray, int]:
-    """Move one free camera at a time, by falling steps, as long as the exact fraction grows.
-
-    Each move computes the view of the moved camera only.
-
-    Parameters
-    ----------
-    scorer : ExactScorer
-        Gives exact areas.
-    space : LayoutSpace
-        What is allowed; the layout stays in it.
-    angles : (M,) array_like
-        Ring angles [rad] to start from.
-    steps : tuple of float
-        Falling step lengths [rad].
-    max_sweeps : int
-        Times that each camera gets its turn at most.
-
-    Returns
-    -------
-    (M,) ndarray
-        Ring angles [rad] whose exact fraction is at least that of the start.
-    int
-        Number of moves tried.
-    """
-    theta, n_moves = np.array(angles, dtype=np.float64), 0
-    best = scorer.fraction(theta)
-    for _ in range(max_sweeps):
-        before = best
-        for camera in space.free_cameras(theta):
-            fraction = scorer.moving(theta, camera)
-            for step in steps:
-                for direction in (step, -step):
-                    while True:
-                        moved = theta.copy()
-                        moved[camera] += direction
-                        if not space.allows(moved):
-                            break
-                        n_moves += 1
-                        found = fraction(float(moved[camera]))
-                        if found <= best + WORTHWHILE:
-                            break
-                        theta, best = moved, found
-        if best <= before + WORTHWHILE:
-            break
-    return theta, n_moves

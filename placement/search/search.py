@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from placement.layouts.arcs import LayoutSpace
+from placement.layouts.distinct import distinct
 from placement.layouts.layout_parameters import Arcs
-from placement.search.scoring import distinct
 from placement.settings import Settings
 from placement.surrogate.surrogate import Surrogate
 

@@ -8,7 +8,7 @@ import numpy as np
 
 import exact
 import placement
-from exact.workers import background, start_processes
+from exact.workers import available_cores, background, start_processes
 from experiments.exports import coverage_mesh, formats
 from experiments.exports.cameras import named_cameras
 from experiments.figures.coverage import Panel, write_coverage
@@ -24,7 +24,6 @@ from experiments.tables import robustness as robustness_table
 from experiments.tables import sites as site_table
 from experiments.terminal.console import note, print_json, terminal
 from experiments.terminal.progress import progress_stages
-from placement.search.scoring import available_cores
 
 OUTPUTS = ("layout.json", "layouts.csv", "coverage.png")
 # Sample points for triangulation angles, shared by all meshes and poses, and the fewest that each gets.
