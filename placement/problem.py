@@ -90,7 +90,7 @@ class Problem:
         memory: Memory | None = None,
         **asked: Any,
     ):
-        refuse_unknown(asked, ASKED)
+        refuse_unknown(asked, {*scene_keywords(), *demand_keywords(), "demand"})
         seed = checked_seed(seed)
         report = progress or (lambda what, done, total: None)
         with refusing():
