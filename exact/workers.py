@@ -67,9 +67,11 @@ class Workers(ProcessPoolExecutor):
     """
 
     def __init__(self, size: int):
-        # Started only now, it would let the signals through that `submit` holds back.
-        resource_tracker.ensure_running()
-        super().__init__(size, timeout=IDLE_SECONDS, env=ONE_THREAD, initializer=_leave_with, initargs=(os.getpid(),))
+        with _signals_held_back():  # from the processes that look after semaphores
+            # Started only later, it would let the signals through that `submit` holds back.
+            resource_tracker.ensure_running()
+            parent = (os.getpid(),)
+            super().__init__(size, timeout=IDLE_SECONDS, env=ONE_THREAD, initializer=_leave_with, initargs=parent)
         with _state.changed:
             _state.all.add(self)
         # A process of multiprocessing would wait for its own children before anything else ends them.
