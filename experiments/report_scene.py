@@ -209,9 +209,8 @@ def _geometry(mesh: trimesh.Trimesh, sets: exact.ViewSets, exclude: np.ndarray):
     After the sets come the empty one and what does not count.
     """
     parts = sets.to_mesh()
-    corners = np.asarray(mesh.triangles)[exclude].reshape(-1, 3)
-    left_out = np.arange(len(corners)).reshape(-1, 3) + len(parts.vertices)
-    points = np.concatenate([parts.vertices, corners])
+    left_out = np.asarray(mesh.faces)[exclude] + len(parts.vertices)
+    points = np.concatenate([parts.vertices, mesh.vertices])
     triangles = np.concatenate([parts.faces, left_out])
     own = np.asarray(parts.face_attributes["set"])
     empty = len(sets.seen)
