@@ -8,7 +8,7 @@ import shapely
 import trimesh
 
 from exact.cameras import Camera
-from exact.clipping import FILL_TOLERANCE, unite, whole_faces
+from exact.clipping import OVERLAP, unite, whole_faces
 from exact.coverage import Demand, Tally, processes, tally
 from exact.errors import ExactError
 from exact.projection import image_polygons
@@ -225,7 +225,7 @@ def _reconstruction(
         return np.where(faces, surface.areas, 0.0) + np.minimum(in_pieces, surface.areas)
 
     filled = np.bincount(seen.pieces.face, weights=piece_area, minlength=len(surface.faces))
-    overlapping = int((filled > surface.areas * (1 + FILL_TOLERANCE)).sum())  # which `face_areas` cuts short
+    overlapping = int((filled > surface.areas * (1 + OVERLAP)).sum())  # which `face_areas` cuts short
     levels = [
         face_areas(whole & (whole_count >= level), piece_count >= level) for level in range(1, demand.threshold + 1)
     ]
