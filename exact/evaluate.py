@@ -20,7 +20,7 @@ from exact.requests import (
 )
 from exact.results import Reconstruction
 from exact.scene import Scene
-from exact.visibility.clipping import FILL_TOLERANCE
+from exact.visibility.clipping import OVERLAP
 from exact.visibility.coverage import Tally, tally
 from exact.workers import processes
 
@@ -181,4 +181,4 @@ def _overlapping(scene: Scene, seen: Tally) -> int:
     """Faces whose pieces overlap by more than rounding, which `_face_areas` cuts short."""
     areas, face = scene.surface.areas, seen.pieces.face
     filled = np.bincount(face, 2 * areas[face] * shapely.area(seen.pieces.polygon), minlength=len(areas))
-    return int((filled > areas * (1 + FILL_TOLERANCE)).sum())
+    return int((filled > areas * (1 + OVERLAP)).sum())

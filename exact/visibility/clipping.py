@@ -11,15 +11,14 @@ from exact.errors import ExactError
 from exact.visibility.screen import counting
 from exact.visibility.silhouettes import Cuts
 
-# The cells of a piece must fill it up to this part of it, or the cutting is done again on a precision grid.
-FILL_TOLERANCE = 1e-10
-# How far its outline may be off besides (in parts of the face), which is what remains of small pieces of large faces:
-# coordinates are of order one, so that float64 knows them to 1e-16, and a crossing of two lines to somewhat less.
-ROUNDING = 1e-14
+# The cells of a piece must fill it as if its outline were off by at most this (in parts of the face), or the cutting is
+# done again on a precision grid: 1e-10 of a whole face, and less of a small piece of it. Far above the grid, and above
+# the hairs between segments that coincide up to rounding; of a face of ten metres it is a third of a nanometre.
+OUTLINE_TOLERANCE = 3e-11
 # The precision grid (in parts of the face): far below any tolerance on areas, far above float64 rounding.
 GRID_SIZE = 1e-12
-# How far a grid may move an outline: a point to the next node, and a line with the points that it passes by.
-SNAPPING = 2 * GRID_SIZE
+# Pieces that make up more than their face by this part of it overlap: what rounding adds is far less.
+OVERLAP = 1e-10
 # Gaps narrower than this part of the face are rounding, not shape.
 NECK = 1e-9
 
@@ -71,13 +70,13 @@ def cut_pieces(face: np.ndarray, piece: np.ndarray, cuts: Cuts, on_grid: np.ndar
     on_grid = on_grid & crossed
     plain = np.flatnonzero(crossed & ~on_grid)
     first_try = _cells(piece, drawing, plain, grid_size=None)
-    failed = _unfilled(piece, *first_try, plain, ROUNDING)
+    failed = _unfilled(piece, *first_try, plain)
     on_grid[failed] = True
     second_try = _cells(piece, drawing, np.flatnonzero(on_grid), grid_size=GRID_SIZE)
-    still = _unfilled(piece, *second_try, np.flatnonzero(on_grid), SNAPPING)
+    still = _unfilled(piece, *second_try, np.flatnonzero(on_grid))
     if len(still):
         raise ExactError(
-            f"face {face[still[0]]} could not be cut into its visible pieces within {FILL_TOLERANCE:g} of its area; "
+            f"face {face[still[0]]} could not be cut into visible pieces that fill it up to rounding; "
             "please report the mesh"
         )
     keep = ~on_grid[first_try[0]]
@@ -111,9 +110,9 @@ def unite(group: np.ndarray, polygon: np.ndarray):
     outline = np.bincount(group, weights=shapely.length(polygon))
     united = np.asarray(shapely.union_all(together[:, None], axis=1))
     # Slivers whose area is rounding may come back as nothing at all, which no point speaks for.
-    wrong = _differ(shapely.area(united), expected, outline, ROUNDING) | shapely.is_empty(united)
+    wrong = _differ(shapely.area(united), expected, outline) | shapely.is_empty(united)
     united[wrong] = shapely.union_all(together[wrong, None], axis=1, grid_size=GRID_SIZE)
-    failed = _differ(shapely.area(united), expected, outline, SNAPPING) | shapely.is_empty(united)
+    failed = _differ(shapely.area(united), expected, outline) | shapely.is_empty(united)
     united[failed] = together[failed]
     return united, failed, int(wrong.sum())
 
@@ -161,12 +160,12 @@ def _without_necks(cell: np.ndarray, origin: np.ndarray):
     return np.concatenate([cell[kept], triangle]), np.concatenate([origin[kept], origin[suspects[which]]])
 
 
-def _unfilled(piece: np.ndarray, origin: np.ndarray, cell: np.ndarray, chosen: np.ndarray, shift: float) -> np.ndarray:
-    """Those of the chosen pieces whose cells have not the same area in sum, though an outline may move by `shift`."""
+def _unfilled(piece: np.ndarray, origin: np.ndarray, cell: np.ndarray, chosen: np.ndarray) -> np.ndarray:
+    """Those of the chosen pieces whose cells have not the same area in sum."""
     total = np.bincount(origin, weights=shapely.area(cell), minlength=len(piece))[chosen]
-    return chosen[_differ(total, shapely.area(piece[chosen]), shapely.length(piece[chosen]), shift)]
+    return chosen[_differ(total, shapely.area(piece[chosen]), shapely.length(piece[chosen]))]
 
 
-def _differ(area: np.ndarray, expected: np.ndarray, outline: np.ndarray, shift: float) -> np.ndarray:
-    """(N,) whether areas are not those expected, up to what moving outlines of these lengths by `shift` changes."""
-    return np.abs(area - expected) > FILL_TOLERANCE * expected + shift * outline
+def _differ(area: np.ndarray, expected: np.ndarray, outline: np.ndarray) -> np.ndarray:
+    """(N,) whether areas are not those expected of polygons with outlines of these lengths."""
+    return np.abs(area - expected) > OUTLINE_TOLERANCE * outline

@@ -203,9 +203,8 @@ def _geometry(scene: exact.Scene, sets: exact.ViewSets):
     After the sets come the empty one and what does not count.
     """
     mesh, exclude, parts = scene.mesh, ~scene.counted, sets.to_mesh()
-    corners = np.asarray(mesh.triangles)[exclude].reshape(-1, 3)
-    left_out = np.arange(len(corners)).reshape(-1, 3) + len(parts.vertices)
-    points = np.concatenate([parts.vertices, corners])
+    left_out = np.asarray(mesh.faces)[exclude] + len(parts.vertices)
+    points = np.concatenate([parts.vertices, mesh.vertices])
     triangles = np.concatenate([parts.faces, left_out])
     own = np.asarray(parts.face_attributes["set"])
     empty = len(sets.seen)
