@@ -110,8 +110,9 @@ class Certificate:
         if self.layout_fraction is not None:
             words.append(f"The layout proposed reconstructs {self.layout_fraction:.2%} of the same samples.")
         words.append(
-            f"Not proven: anything between the samples (standard error of a fraction {self.sampling_error:.2%}), and "
-            "arcs of visibility narrower than the step at which profiles were traced."
+            f"Not proven: anything between the samples (standard error of a fraction {self.sampling_error:.2%}), "
+            "arcs of visibility narrower than the step at which profiles were traced, and the ends of the others more "
+            "finely than they were bisected."
         )
         if self.ignores_baseline:
             words.append("The bounds leave the baseline out; with it they hold but may be loose.")
@@ -222,7 +223,8 @@ def grid_of(profiles: RingProfiles, space: LayoutSpace, threshold: int, n_grid: 
 def cells_of(profiles: RingProfiles, space: LayoutSpace, threshold: int, n_cells: int) -> GridProgram:
     """Choose the cells [2 pi k / n, 2 pi (k + 1) / n] that the free cameras lie in: no layout is left out."""
     step = TURN / n_cells
-    # Between profile angles the signed distance is linear: on a cell it is greatest at an end or at one of them.
+    # Every arc of visibility holds a profile angle: one that meets a cell holds an end of it, or lies inside with its
+    # profile angle.
     nodes = TURN * np.arange(profiles.n_angles) / profiles.n_angles
     ends = profiles.at(step * np.arange(n_cells))
     seen = ends | np.roll(ends, -1, axis=0)

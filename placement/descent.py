@@ -88,9 +88,7 @@ def _descend(parameters, arcs, gap, points, temperatures, threshold, max_steps):
     def loss(parameters, args):
         arcs, temperature = args
         angles = angles_of(parameters, arcs)
-        return 1 - soft_coverage(
-            angles, points.signed_distance, points.weights, temperature, threshold, points.baseline
-        )
+        return 1 - soft_coverage(angles, points.changes, points.weights, temperature, threshold, points.baseline)
 
     def one_start(parameters, arcs, temperature):
         # throw=False: one bad start must not end the others.

@@ -4,7 +4,7 @@ import hashlib
 from concurrent.futures import Future, ThreadPoolExecutor
 from functools import cache
 from pathlib import Path
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 import shapely
@@ -13,6 +13,7 @@ import exact
 from placement.sites import Site, Sites
 
 
+@runtime_checkable
 class Memory(Protocol):
     """Areas that were evaluated before, by all that they depend on; a dict will do."""
 

@@ -162,13 +162,13 @@ def _blind(reason: str, ring: exact.Ring, mesh: trimesh.Trimesh) -> str:
 
 def _merged(profiles: RingProfiles) -> RingProfiles:
     """Drop points that no angle sees; merge those that every angle sees into one (the last)."""
-    seen_from = profiles.visible.sum(axis=0)
-    always = (seen_from == profiles.n_angles) & (profiles.signed_distance.min(axis=0) >= np.pi)
-    decided = profiles.subset((seen_from > 0) & ~always)
+    always = np.asarray(profiles.visible.all(axis=0))
+    decided = profiles.subset(np.asarray(profiles.visible.any(axis=0)) & ~always)
     if not always.any():
         return decided
     return RingProfiles(
-        np.concatenate([decided.signed_distance, np.full((profiles.n_angles, 1), np.pi)], axis=1),
+        np.concatenate([decided.behind, np.full((profiles.n_angles, 1), 2 * np.pi)], axis=1),
+        np.concatenate([decided.ahead, np.full((profiles.n_angles, 1), 2 * np.pi)], axis=1),
         np.append(decided.weights, profiles.weights[always].sum()),
         np.append(decided.site, 0),
         np.concatenate([decided.parts, profiles.parts[:, always].sum(axis=1, keepdims=True)], axis=1),
