@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from jaxtyping import Bool, Float
 
 from placement.arcs import TURN, LayoutSpace
 from placement.constraints import GAP_MARGIN
@@ -125,7 +126,7 @@ def certify_samples(
     threshold: int,
     settings: Settings,
     of: str = "the ring maximum",
-    layouts: Sequence[np.ndarray] = (),
+    layouts: Sequence[Float[np.ndarray, " M"]] = (),
 ) -> Certificate:
     """Bound what any layout of `space` can reconstruct of samples whose weights are shares of the ring maximum.
 
@@ -186,7 +187,11 @@ def measure(certificate: Certificate, profiles: RingProfiles, layout, threshold:
 
 
 def _on_grid(
-    profiles: RingProfiles, space: LayoutSpace, threshold: int, n_grid: int, layouts: Sequence[np.ndarray]
+    profiles: RingProfiles,
+    space: LayoutSpace,
+    threshold: int,
+    n_grid: int,
+    layouts: Sequence[Float[np.ndarray, " M"]],
 ) -> tuple[int, ...] | None:
     """Places of the free cameras of a good layout on the grid; None if none is found that is allowed."""
     if space.n_free == 0:
@@ -239,7 +244,7 @@ def cells_of(profiles: RingProfiles, space: LayoutSpace, threshold: int, n_cells
     )  # fmt: skip
 
 
-def _open_cells(space: LayoutSpace, n_cells: int) -> np.ndarray:
+def _open_cells(space: LayoutSpace, n_cells: int) -> Bool[np.ndarray, " {n_cells}"]:
     """(n_cells,) bool: cells that hold an angle which is allowed; those in a single blocked arc hold none."""
     step = TURN / n_cells
     start = step * np.arange(n_cells)

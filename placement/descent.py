@@ -36,7 +36,7 @@ class DescentEnd(NamedTuple):
 
 
 def descend(
-    parameters: np.ndarray,
+    parameters: Float[np.ndarray, "S P"],
     arcs: Arcs | None,
     surrogate: Surrogate,
     *,

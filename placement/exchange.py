@@ -7,6 +7,7 @@ no gradient and no temperature, and it can jump over a fixed camera or a forbidd
 import itertools
 
 import numpy as np
+from jaxtyping import Bool, Float, Int
 
 from placement.arcs import LayoutSpace
 from placement.profiles import RingProfiles
@@ -62,7 +63,7 @@ class SampledCoverage:
         self._seen_pairs = np.ascontiguousarray(self._seen[:, ::stride])
         self._weights = profiles.weights.astype(np.float32)
 
-    def covered(self, angles) -> np.ndarray:
+    def covered(self, angles) -> Bool[np.ndarray, " N"]:
         """(N,) bool: which samples the layout of (M,) ring angles [rad] reconstructs."""
         theta = np.asarray(angles, dtype=np.float64)
         seen = self.profiles.at(theta)
@@ -79,7 +80,7 @@ class SampledCoverage:
         """What the search compares: `fraction` and, of several sums, a little of their mean."""
         return float(_worth(self.profiles.sums(self.covered(angles))))
 
-    def worth_with_one_more(self, angles) -> np.ndarray:
+    def worth_with_one_more(self, angles) -> Float[np.ndarray, " G"]:
         """(n_grid,) `worth` of the (M - 1,) ring angles [rad] and one more camera at each grid angle."""
         theta = np.asarray(angles, dtype=np.float64)
         seen = self.profiles.at(theta)
@@ -98,7 +99,7 @@ class SampledCoverage:
         weights = self._weights[waiting] * (self.profiles.site[waiting] == np.arange(self.profiles.n_sites)[:, None])
         return _worth((weights.astype(np.float32) @ won).astype(np.float64) + self.profiles.sums(done)[:, None])
 
-    def worth_with_two_more(self, angles) -> np.ndarray:
+    def worth_with_two_more(self, angles) -> Float[np.ndarray, "G G"]:
         """(G, G) `worth` of (M - 2,) ring angles [rad] and two more on `pair_grid`; any baseline is left out."""
         count = self.profiles.at(np.asarray(angles, dtype=np.float64)).sum(axis=0)
         short = self.threshold - count
@@ -113,7 +114,7 @@ class SampledCoverage:
             sums.append((gained + (both.T * self._weights[two]) @ both).astype(np.float64) + already)
         return _worth(np.stack(sums))
 
-    def _sums(self, waiting: np.ndarray) -> np.ndarray:
+    def _sums(self, waiting: Int[np.ndarray, " W"]) -> Float[np.ndarray, "S G"]:
         """(n_sites, n_grid) weight of the `waiting` samples that each grid angle sees."""
         sums = []
         for site in range(self.profiles.n_sites):
@@ -122,7 +123,7 @@ class SampledCoverage:
             sums.append(np.einsum("n,ng->g", self._weights[of_site], self._seen[of_site]).astype(np.float64))
         return np.stack(sums)
 
-    def improve(self, space: LayoutSpace, angles, max_sweeps: int = 10) -> np.ndarray:
+    def improve(self, space: LayoutSpace, angles, max_sweeps: int = 10) -> Float[np.ndarray, " M"]:
         """Move one free camera at a time to its best grid angle until no move gains anything.
 
         Parameters
@@ -156,7 +157,7 @@ class SampledCoverage:
                 break
         return theta
 
-    def improve_pairs(self, space: LayoutSpace, angles, max_sweeps: int = 3) -> np.ndarray:
+    def improve_pairs(self, space: LayoutSpace, angles, max_sweeps: int = 3) -> Float[np.ndarray, " M"]:
         """Move two free cameras at once, then each alone, until nothing is gained; leaves most local optima.
 
         Parameters and result as for `improve`. With a baseline only single cameras are moved.
@@ -181,22 +182,22 @@ class SampledCoverage:
                 break
         return theta
 
-    def _far(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    def _far(self, first: Float[np.ndarray, " A"], second: Float[np.ndarray, " B"]) -> Bool[np.ndarray, "A B"]:
         chord = self.diameter * np.abs(np.sin((first[:, None] - second[None, :]) / 2))
         return chord >= self.min_baseline
 
-    def _paired(self, theta: np.ndarray, seen: np.ndarray) -> np.ndarray:
+    def _paired(self, theta: Float[np.ndarray, " M"], seen: Bool[np.ndarray, "M N"]) -> Bool[np.ndarray, " N"]:
         """(N,) bool: two cameras that see the point are far enough apart."""
         partners = self._far(theta, theta).astype(np.float32) @ seen.astype(np.float32) > 0
         return np.any(seen & partners, axis=0)
 
 
-def _worth(sums: np.ndarray) -> np.ndarray:
+def _worth(sums: Float[np.ndarray, "S ..."]) -> Float[np.ndarray, "..."]:
     """The least along the first axis and, where there are several, MEAN_SHARE of their mean."""
-    return sums[0] if len(sums) == 1 else sums.min(axis=0) + MEAN_SHARE * sums.mean(axis=0)
+    return np.asarray(sums[0] if len(sums) == 1 else sums.min(axis=0) + MEAN_SHARE * sums.mean(axis=0))
 
 
-def _middle_of_best(values: np.ndarray, tolerance: float) -> int:
+def _middle_of_best(values: Float[np.ndarray, " G"], tolerance: float) -> int:
     """Index in the middle of the first run of values that equal the greatest: away from what would lose them."""
     best = int(values.argmax())
     end = best

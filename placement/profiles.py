@@ -12,6 +12,7 @@ nearest changes are. The nearer of the two is the signed angular distance, posit
                        \/      \  /    \ /    \      \
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -82,7 +83,13 @@ class RingProfiles:
         )
 
     @staticmethod
-    def _between(visible, at, point, change, weights) -> "RingProfiles":
+    def _between(
+        visible: Bool[np.ndarray, "K N"],
+        at: Int[np.ndarray, " C"],
+        point: Int[np.ndarray, " C"],
+        change: Float[np.ndarray, " C"],
+        weights: Float[np.ndarray, " N"],
+    ) -> "RingProfiles":
         """Profiles of single samples with changes at angles `change` in [grid[at], grid[at + 1]] of points `point`."""
         n_angles = len(visible)
         step = 2 * np.pi / n_angles
@@ -111,7 +118,8 @@ class RingProfiles:
 
     def sums(self, covered: Bool[np.ndarray, " N"]) -> Float[np.ndarray, " S"]:
         """(n_sites,) weight of the points that the (N,) mask `covered` chooses, site by site."""
-        return np.bincount(self.site, weights=self.weights * covered, minlength=self.n_sites)
+        # Of no points at all it gives whole numbers.
+        return np.bincount(self.site, weights=self.weights * covered, minlength=self.n_sites).astype(np.float64)
 
     @property
     def n_angles(self) -> int:
@@ -187,7 +195,7 @@ class Visibility:
         vertices = np.ascontiguousarray(mesh.vertices - self._centre, dtype=np.float32)
         TriangleMesh(self._scene, vertices, np.ascontiguousarray(mesh.faces, dtype=np.int32))
 
-    def from_angles(self, samples: SurfaceSamples, ring: exact.Ring, angles) -> np.ndarray:
+    def from_angles(self, samples: SurfaceSamples, ring: exact.Ring, angles) -> Bool[np.ndarray, "M N"]:
         """(M, N) bool: does the camera at each of the (M,) ring angles [rad] see each of the N samples."""
         cameras = ring.cameras(angles)
         n_points = len(samples)
@@ -202,7 +210,7 @@ class Visibility:
             seen[first : first + step] = self._pairs(samples, batch, which, point).reshape(-1, n_points)
         return seen
 
-    def pairs(self, samples: SurfaceSamples, ring: exact.Ring, angles, points) -> np.ndarray:
+    def pairs(self, samples: SurfaceSamples, ring: exact.Ring, angles, points) -> Bool[np.ndarray, " P"]:
         """(P,) bool: does the camera at ring angle `angles[p]` [rad] see sample number `points[p]`."""
         points = np.asarray(points, dtype=np.int64)
         if len(points) == 0:
@@ -213,7 +221,13 @@ class Visibility:
         cameras = [camera for part in parts for camera in ring.cameras(part)]
         return self._pairs(samples, cameras, which, points)
 
-    def _pairs(self, samples, cameras, which, point) -> np.ndarray:
+    def _pairs(
+        self,
+        samples: SurfaceSamples,
+        cameras: Sequence[exact.Camera],
+        which: Int[np.ndarray, " P"],
+        point: Int[np.ndarray, " P"],
+    ) -> Bool[np.ndarray, " P"]:
         positions = np.stack([camera.position for camera in cameras])
         rotations = np.stack([camera.rotation for camera in cameras])
         half_extents = np.stack([camera.half_extent for camera in cameras])

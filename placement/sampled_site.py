@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import trimesh
+from jaxtyping import Bool, Float
 
 import exact
 from placement.errors import PlacementError
@@ -42,10 +43,10 @@ def sample_site(
     mesh: trimesh.Trimesh,
     ring: exact.Ring,
     threshold: int,
-    exclude: np.ndarray | None = None,
+    exclude: Bool[np.ndarray, " F"] | None = None,
     settings: Settings | None = None,
     seed: int = 0,
-    face_weights: np.ndarray | None = None,
+    face_weights: Float[np.ndarray, " F"] | None = None,
     n_samples: int | None = None,
 ) -> SampledSite:
     """Sample `mesh` where the ring may see it and trace the ring profiles.
@@ -115,7 +116,7 @@ def sample_site(
     return SampledSite(samples, visibility, _merged(profiles), ring_area)
 
 
-def faces_towards(mesh: trimesh.Trimesh, ring: exact.Ring) -> np.ndarray:
+def faces_towards(mesh: trimesh.Trimesh, ring: exact.Ring) -> Bool[np.ndarray, " F"]:
     """(F,) bool: faces in front of which some point of the ring lies; all others are seen by no camera.
 
     Examples
@@ -132,7 +133,7 @@ def faces_towards(mesh: trimesh.Trimesh, ring: exact.Ring) -> np.ndarray:
     return reach > np.einsum("fi,fi->f", normals, np.asarray(mesh.triangles)[:, 0])
 
 
-def in_view(corners: np.ndarray, ring: exact.Ring) -> np.ndarray:
+def in_view(corners: Float[np.ndarray, "P 3 3"], ring: exact.Ring) -> Bool[np.ndarray, " P"]:
     """(P,) bool: (P, 3, 3) triangles that may be inside the field of view of some camera of the ring.
 
     The field of view turns with the camera, so a camera is taken to see all within its circumcircle; and a camera
