@@ -187,7 +187,8 @@ def _joined(parts, sites: Sites) -> RingProfiles:
     shares = np.ones(len(parts)) if worst else sites.shares
     scaled = [part.profiles.scaled(share / part.ring_area) for share, part in zip(shares, parts, strict=True)]
     return RingProfiles(
-        np.concatenate([profiles.signed_distance for profiles in scaled], axis=1),
+        np.concatenate([profiles.behind for profiles in scaled], axis=1),
+        np.concatenate([profiles.ahead for profiles in scaled], axis=1),
         np.concatenate([profiles.weights for profiles in scaled]),
         np.concatenate([np.full(len(profiles.weights), i * worst) for i, profiles in enumerate(scaled)]),
         np.concatenate([profiles.parts for profiles in scaled], axis=1),

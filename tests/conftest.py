@@ -6,6 +6,7 @@ from pathlib import Path
 
 import matplotlib
 import pytest
+from jaxtyping import config
 
 from experiments.cli.app import main
 from experiments.cli.jax_cache import keep_compiled
@@ -23,6 +24,14 @@ def _own_cache_folder():
         patch.setenv("MPLCONFIGDIR", matplotlib.get_cachedir())
         patch.setenv("XDG_CACHE_HOME", folder)
         yield
+
+
+@pytest.fixture
+def unchecked():
+    """No check of types before a function's own: for what is of a wrong type on purpose."""
+    config.update("jaxtyping_disable", True)
+    yield
+    config.update("jaxtyping_disable", False)
 
 
 @pytest.fixture

@@ -139,7 +139,7 @@ import multiprocessing, sys, threading, time
 import trimesh
 import exact, placement
 from exact.workers import start_processes
-from placement.ring_maximum import RingMaximum
+from placement.search.ring_maximum import RingMaximum
 from placement.sites import checked_sites
 seen, unseen, ring = trimesh.creation.box((10, 10, 1)), trimesh.creation.box((10, 10, 10)), exact.Ring()
 unseen.apply_translation((500, 0, 0))

@@ -42,18 +42,18 @@ def test_gaps_round_trip(n_cameras, fullness, seed):
 
 @st.composite
 def requests(draw):
-    """Number of cameras and constraints, often impossible ones."""
+    """Number of cameras and demands of constraints, often impossible ones."""
     n_fixed, n_arcs = draw(st.integers(0, 2)), draw(st.integers(0, 2))
     fixed = tuple(draw(any_angle) for _ in range(n_fixed))
     forbidden = tuple((start, start + draw(st.floats(0.01, 4.5))) for start in [draw(any_angle) for _ in range(n_arcs)])
-    constraints = Constraints(draw(st.floats(0, 16)), fixed=fixed, forbidden=forbidden)
-    return draw(st.integers(max(1, n_fixed), 5)), constraints
+    demands = dict(min_separation=draw(st.floats(0, 16)), fixed=fixed, forbidden=forbidden)
+    return draw(st.integers(max(1, n_fixed), 5)), demands
 
 
 @QUICK
 @given(requests(), st.integers(0, 2**32 - 1))
 def test_random_layouts_and_maps_meet_every_constraint(request, seed):
-    n_cameras, constraints = request
+    n_cameras, constraints = request[0], Constraints(**request[1])
     try:
         space = LayoutSpace(exact.Ring(), n_cameras, constraints)
     except PlacementError:
@@ -80,7 +80,7 @@ def test_random_layouts_and_maps_meet_every_constraint(request, seed):
 @given(requests(), st.integers(0, 2**32 - 1))
 def test_refused_requests_are_infeasible(request, seed):
     """Random layouts, thrown at a refused request, never meet it; nor does a greedy one."""
-    n_cameras, constraints = request
+    n_cameras, constraints = request[0], Constraints(**request[1])
     ring = exact.Ring()
     try:
         LayoutSpace(ring, n_cameras, constraints)
@@ -157,12 +157,14 @@ ERRORS = [
 ]
 
 
+@pytest.mark.usefixtures("unchecked")
 @pytest.mark.parametrize(("n_cameras", "demands", "message"), ERRORS)
 def test_requests_that_cannot_be_met(n_cameras, demands, message):
     with pytest.raises(PlacementError, match=message):
         LayoutSpace(exact.Ring(), n_cameras, Constraints(**demands))
 
 
+@pytest.mark.usefixtures("unchecked")
 @pytest.mark.parametrize(
     ("demands", "message"),
     [

@@ -245,6 +245,7 @@ def error_cases(bars):
     }
 
 
+@pytest.mark.usefixtures("unchecked")
 @pytest.mark.parametrize("case", error_cases(trimesh.creation.box()))
 def test_errors(bars, case):
     request, message = error_cases(bars)[case]

@@ -141,6 +141,7 @@ def test_a_layout_for_many_poses():
     assert result.fraction == min(site.fraction for site in result.sites) >= result.best_equidistant_fraction
 
 
+@pytest.mark.usefixtures("unchecked")
 @pytest.mark.parametrize(
     ("wrong", "message"),
     [

@@ -1,20 +1,17 @@
 import dataclasses
-import importlib
-import importlib.util
 import itertools
-import shutil
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from jaxtyping import TypeCheckError, install_import_hook
+from jaxtyping import TypeCheckError
 
 import exact
 from placement.samples.profiles import RingProfiles
 from placement.samples.sampled_coverage import SampledCoverage
 from placement.surrogate import soft_coverage as module_under_test
-from placement.surrogate.soft_coverage import SOFT_MINIMUM, Baseline, at_least, signed_distances
+from placement.surrogate.soft_coverage import SOFT_MINIMUM, Baseline, Changes, at_least, signed_distances
 from placement.surrogate.surrogate import Surrogate
 
 COLD = jnp.asarray(1e-9)
@@ -34,7 +31,11 @@ def profiles():
 
 def arrays(profiles):
     """Profiles and one row of weights that add up to 1."""
-    return jnp.asarray(profiles.signed_distance), jnp.asarray(profiles.weights[None] / profiles.weights.sum())
+    return changes_of(profiles), jnp.asarray(profiles.weights[None] / profiles.weights.sum())
+
+
+def changes_of(profiles):
+    return Changes(jnp.asarray(profiles.behind), jnp.asarray(profiles.ahead))
 
 
 @pytest.mark.parametrize(("n_events", "threshold"), [(1, 1), (2, 1), (4, 2), (5, 3), (6, 6), (3, 5)])
@@ -135,6 +136,18 @@ def test_gradient_against_finite_differences(profiles, threshold, min_baseline):
         assert float(gradient[i]) == pytest.approx(float(slope), rel=1e-6, abs=1e-9)
 
 
+def test_signed_distances_rise_or_fall_like_the_angle_in_arcs_of_any_width():
+    rng, step = np.random.default_rng(3), 1e-6
+    profile = changes_of(RingProfiles.of(rng.normal(size=(12, 200)), np.ones(200)))  # most arcs hold one grid angle
+    angles = jnp.asarray(rng.uniform(0, 2 * np.pi, 50))
+    at = jax.jit(signed_distances)
+    _, slope = jax.jvp(lambda theta: at(theta, profile), (angles,), (jnp.ones(50),))
+    difference = np.asarray(at(angles + step, profile) - at(angles - step, profile)) / (2 * step)
+    assert np.allclose(np.abs(slope), 1, atol=1e-12)
+    at_a_turn = np.abs(np.abs(difference) - 1) > 1e-6
+    assert at_a_turn.mean() < 1e-3 and np.allclose(slope[~at_a_turn], difference[~at_a_turn], atol=1e-6)
+
+
 TRAPS = {
     "coincident cameras": ([1.0, 1.0, 1.0], 0.1),
     "camera on a grid angle": ([0.0, 2 * np.pi / 48, 2 * np.pi], 0.1),
@@ -153,31 +166,31 @@ value_and_gradient = jax.jit(jax.value_and_grad(module_under_test.soft_coverage)
 @pytest.mark.parametrize("points", ["all", "always visible", "never visible", "none", "without weight"])
 def test_finite_value_and_gradient_at_traps(profiles, trap, min_baseline, points):
     angles, temperature = TRAPS[trap]
-    distance, weights = arrays(profiles)
+    changes, weights = arrays(profiles)
     column = {"all": slice(None), "always visible": [0], "never visible": [1], "none": [], "without weight": [2]}
     index = jnp.arange(weights.shape[1])[jnp.asarray(column[points], int) if points != "all" else slice(None)]
-    distance, weights = distance[:, index], weights[:, index] * (0.0 if points == "without weight" else 1.0)
+    changes = jax.tree.map(lambda angle: angle[:, index], changes)
+    weights = weights[:, index] * (0.0 if points == "without weight" else 1.0)
     baseline = None if min_baseline is None else Baseline(jnp.asarray(30.0), jnp.asarray(min_baseline))
-    value, gradient = value_and_gradient(jnp.asarray(angles), distance, weights, jnp.asarray(temperature), 2, baseline)
+    value, gradient = value_and_gradient(jnp.asarray(angles), changes, weights, jnp.asarray(temperature), 2, baseline)
     assert np.isfinite(value) and -1e-12 <= value <= 1 + 1e-12
     assert np.isfinite(gradient).all()
 
 
-def test_interpolation_is_periodic():
-    profile = jnp.array([[0.0], [1.0], [2.0], [-3.0]])
+def test_signed_distances_are_periodic():
     quarter = np.pi / 2
+    profile = changes_of(RingProfiles.of(np.array([[1.0], [1.0], [1.0], [-3.0]]), np.ones(1)))
     between_last_and_first = signed_distances(jnp.array([3.5 * quarter, -0.5 * quarter, 7.5 * quarter]), profile)
-    assert np.allclose(between_last_and_first, -1.5, atol=1e-12)
+    assert np.allclose(between_last_and_first, -0.25 * quarter, atol=1e-12)  # hidden from 2.25 to 3.75 quarters
 
 
-def test_annotated_shapes_hold(profiles, tmp_path, monkeypatch):
-    """The module itself, imported under another name with its annotations checked at run time."""
-    source = importlib.util.find_spec("placement.surrogate.soft_coverage").origin
-    shutil.copy(source, tmp_path / "checked_soft_coverage.py")
-    monkeypatch.syspath_prepend(tmp_path)
-    with install_import_hook("checked_soft_coverage", "beartype.beartype"):
-        module = importlib.import_module("checked_soft_coverage")
-    value = jax.jit(module.soft_coverage)(jnp.zeros(2), *arrays(profiles), jnp.asarray(0.1))
+def test_annotated_shapes_hold(profiles):
+    """In tests, all of `placement` is imported with its annotations checked at run time."""
+    value = soft_coverage(jnp.zeros(2), *arrays(profiles), jnp.asarray(0.1))
     assert value.shape == () and value.dtype == jnp.float64
     with pytest.raises(TypeCheckError):
-        module.soft_coverage(jnp.zeros((2, 1)), *arrays(profiles), jnp.asarray(0.1))
+        module_under_test.soft_coverage(jnp.zeros((2, 1)), *arrays(profiles), jnp.asarray(0.1))
+    with pytest.raises(TypeCheckError):
+        dataclasses.replace(profiles, weights=profiles.weights[1:])
+    with pytest.raises(TypeCheckError):
+        SampledCoverage(profiles, exact.Demand(), exact.Ring(), n_grid=24.5)

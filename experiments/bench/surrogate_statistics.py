@@ -109,4 +109,4 @@ def gradient_error(surrogate: Surrogate, layouts: Sequence[np.ndarray], temperat
 @eqx.filter_grad
 def gradient(angles, points, temperature, threshold):
     """(M,) derivatives of soft coverage by the ring angles; `points` are a `Surrogate`'s, scalars are arrays."""
-    return soft_coverage(angles, points.signed_distance, points.weights, temperature, threshold, points.baseline)
+    return soft_coverage(angles, points.changes, points.weights, temperature, threshold, points.baseline)

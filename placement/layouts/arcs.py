@@ -8,6 +8,7 @@ arc some of the free cameras; for each such assignment the feasible layouts form
 from collections.abc import Iterator
 
 import numpy as np
+from jaxtyping import Bool, Float, Int
 
 import exact
 from exact.ring import MOST_CAMERAS
@@ -131,7 +132,7 @@ class LayoutSpace:
             if arcs is not None:
                 yield counts, arcs
 
-    def parameters(self, angles) -> tuple[np.ndarray, Arcs | None]:
+    def parameters(self, angles) -> tuple[Float[np.ndarray, " P"], Arcs | None]:
         """Free parameters of a layout that meets the constraints, and the arcs they refer to.
 
         Parameters
@@ -161,7 +162,7 @@ class LayoutSpace:
                 return arcs_from_angles(theta, arcs, self.minimum_gap), arcs
         raise PlacementError("not a layout of this request: it keeps the constraints only within rounding")
 
-    def random(self, rng: np.random.Generator) -> np.ndarray:
+    def random(self, rng: np.random.Generator) -> Float[np.ndarray, " M"]:
         """(M,) ring angles [rad] of a random feasible layout; every feasible layout can come up."""
         if self.is_whole:
             shares = rng.dirichlet(np.ones(self.n_cameras))
@@ -176,7 +177,7 @@ class LayoutSpace:
             shifted[i] = least + max(most - least, 0.0) * share
         return np.concatenate([shifted + self.minimum_gap * np.arange(self.n_free), arcs.fixed])
 
-    def free_cameras(self, angles) -> np.ndarray:
+    def free_cameras(self, angles) -> Int[np.ndarray, " m"]:
         """Tell the indices of the cameras of a layout of M ring angles [rad] that are not fixed."""
         theta = np.asarray(angles, dtype=np.float64)
         free = np.ones(len(theta), dtype=bool)
@@ -185,7 +186,7 @@ class LayoutSpace:
             free[distance.argmin()] = False
         return np.flatnonzero(free)
 
-    def allowed(self, candidates, others, slack: float = 0.0) -> np.ndarray:
+    def allowed(self, candidates, others, slack: float = 0.0) -> Bool[np.ndarray, " G"]:
         """(G,) bool: may one more camera be at each of the (G,) ring angles beside the others, to `slack` [rad]."""
         candidates = np.asarray(candidates, dtype=np.float64)
         half_gaps = np.abs(np.sin((candidates[:, None] - np.asarray(others)[None, :]) / 2))
@@ -212,7 +213,7 @@ def _counts(total: int, capacities: list[int]) -> Iterator[tuple[int, ...]]:
             yield (first, *rest)
 
 
-def _tightened(arcs: np.ndarray, gap: float, fixed: tuple[float, ...]) -> Arcs | None:
+def _tightened(arcs: Float[np.ndarray, "m 2"], gap: float, fixed: tuple[float, ...]) -> Arcs | None:
     """Shift the (m, 2) arcs of m cameras by i x gap and cut off what no feasible layout reaches; None if empty."""
     n_free = len(arcs)
     shift = gap * np.arange(n_free)

@@ -20,7 +20,7 @@ import placement.surrogate.double_precision  # noqa: F401 - angles to 1e-9 rad
 from placement.layouts.layout_parameters import Arcs
 
 
-def angles_from_gaps(parameters: Float[Array, " M+1"], minimum_gap: Float[Array, ""]) -> Float[Array, " M"]:
+def angles_from_gaps(parameters: Float[Array, " P"], minimum_gap: Float[Array, ""] | float) -> Float[Array, " P-1"]:
     """Ring angles [rad] from (phase, M logits of the shares).
 
     Parameters
@@ -46,7 +46,9 @@ def angles_from_gaps(parameters: Float[Array, " M+1"], minimum_gap: Float[Array,
     return parameters[0] + jnp.concatenate([jnp.zeros(1), jnp.cumsum(gaps[:-1])])
 
 
-def angles_from_arcs(parameters: Float[Array, " m"], arcs: Arcs, minimum_gap: Float[Array, ""]) -> Float[Array, " M"]:
+def angles_from_arcs(
+    parameters: Float[Array, " m"], arcs: Arcs, minimum_gap: Float[Array, ""] | float
+) -> Float[Array, " M"]:
     """Ring angles [rad] of the m free cameras, each in its own arc, followed by the fixed ones.
 
     Parameters

@@ -25,7 +25,7 @@ class Arcs(NamedTuple):
     """Ring angles of the cameras that stay [rad]."""
 
 
-def gaps_from_angles(angles, minimum_gap: float) -> np.ndarray:
+def gaps_from_angles(angles, minimum_gap: float) -> Float[np.ndarray, " P"]:
     """Parameters of `layout.angles_from_gaps` that give a feasible layout; cameras come back in increasing order.
 
     Parameters
@@ -37,9 +37,10 @@ def gaps_from_angles(angles, minimum_gap: float) -> np.ndarray:
 
     Examples
     --------
+    >>> import jax.numpy as jnp
     >>> from placement.layouts.layout import angles_from_gaps
     >>> parameters = gaps_from_angles([0.2, 3.0, 1.0], 0.1)
-    >>> angles_from_gaps(parameters, 0.1).round(9).tolist()
+    >>> angles_from_gaps(jnp.asarray(parameters), 0.1).round(9).tolist()
     [0.2, 1.0, 3.0]
     """
     theta = np.sort(np.mod(np.asarray(angles, dtype=np.float64), 2 * np.pi))
@@ -51,7 +52,7 @@ def gaps_from_angles(angles, minimum_gap: float) -> np.ndarray:
     return np.concatenate([theta[:1], logits - logits.mean()])
 
 
-def arcs_from_angles(angles, arcs: Arcs, minimum_gap: float) -> np.ndarray:
+def arcs_from_angles(angles, arcs: Arcs, minimum_gap: float) -> Float[np.ndarray, " m"]:
     """Parameters of `layout.angles_from_arcs` that give these free cameras.
 
     Parameters

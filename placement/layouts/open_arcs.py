@@ -1,6 +1,7 @@
 """What fixed cameras and forbidden arcs leave of the ring: for how many cameras, and how far apart."""
 
 import numpy as np
+from jaxtyping import Float
 
 import exact
 from placement.layouts.constraints import GAP_MARGIN, OFFER_STEP, Constraints, offered
@@ -8,7 +9,7 @@ from placement.layouts.constraints import GAP_MARGIN, OFFER_STEP, Constraints, o
 TURN = 2 * np.pi
 
 
-def open_arcs(constraints: Constraints, gap: float) -> np.ndarray:
+def open_arcs(constraints: Constraints, gap: float) -> Float[np.ndarray, "A 2"]:
     """Arcs (A, 2) in which a free camera may be [rad], on the circle cut open at a fixed camera or forbidden arc.
 
     Examples
@@ -84,7 +85,7 @@ def widest_pair(constraints: Constraints, gap: float, n_cameras: int) -> float:
         return min(np.pi, TURN - (n_cameras + 1) // 2 * gap)
     n_free = n_cameras - len(constraints.fixed)
     fixed = [(angle, angle) for angle in constraints.fixed]
-    free = open_arcs(constraints, gap).tolist() if n_free else []
+    free = [(start, end) for start, end in open_arcs(constraints, gap).tolist()] if n_free else []
     pairs = [(a, b) for i, a in enumerate(fixed) for b in fixed[:i]] + [(a, b) for a in fixed for b in free]
     if n_free > 1:
         pairs += [(a, b) for i, a in enumerate(free) for b in free[: i + 1]]

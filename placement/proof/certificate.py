@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from jaxtyping import Bool, Float
 
 import exact
 from placement.layouts.arcs import TURN, LayoutSpace
@@ -111,8 +112,9 @@ class Certificate:
         if self.layout_fraction is not None:
             words.append(f"The layout proposed reconstructs {self.layout_fraction:.2%} of the same samples.")
         words.append(
-            f"Not proven: anything between the samples (standard error of a fraction {self.sampling_error:.2%}), and "
-            "arcs of visibility narrower than the step at which profiles were traced."
+            f"Not proven: anything between the samples (standard error of a fraction {self.sampling_error:.2%}), "
+            "arcs of visibility narrower than the step at which profiles were traced, and the ends of the others more "
+            "finely than they were bisected."
         )
         if self.ignores_baseline:
             words.append("The bounds leave the baseline out; with it they hold but may be loose.")
@@ -125,7 +127,7 @@ def certify_samples(
     demand: exact.Demand,
     settings: Settings,
     of: str = "the ring maximum",
-    layouts: Sequence[np.ndarray] = (),
+    layouts: Sequence[Float[np.ndarray, " M"]] = (),
 ) -> Certificate:
     """Bound what any layout of `space` can reconstruct of samples whose weights are shares of the ring maximum.
 
@@ -188,7 +190,11 @@ def measure(
 
 
 def _on_grid(
-    profiles: RingProfiles, space: LayoutSpace, demand: exact.Demand, n_grid: int, layouts: Sequence[np.ndarray]
+    profiles: RingProfiles,
+    space: LayoutSpace,
+    demand: exact.Demand,
+    n_grid: int,
+    layouts: Sequence[Float[np.ndarray, " M"]],
 ) -> tuple[int, ...] | None:
     """Places of the free cameras of a good layout on the grid; None if none is found that is allowed."""
     if space.n_free == 0:
@@ -226,7 +232,8 @@ def grid_of(profiles: RingProfiles, space: LayoutSpace, demand: exact.Demand, n_
 def cells_of(profiles: RingProfiles, space: LayoutSpace, demand: exact.Demand, n_cells: int) -> GridProgram:
     """Choose the cells [2 pi k / n, 2 pi (k + 1) / n] that the free cameras lie in: no layout is left out."""
     step = TURN / n_cells
-    # Between profile angles the signed distance is linear: on a cell it is greatest at an end or at one of them.
+    # Every arc of visibility holds a profile angle: one that meets a cell holds an end of it, or lies inside with its
+    # profile angle.
     nodes = TURN * np.arange(profiles.n_angles) / profiles.n_angles
     ends = profiles.at(step * np.arange(n_cells))
     seen = ends | np.roll(ends, -1, axis=0)
@@ -241,7 +248,7 @@ def cells_of(profiles: RingProfiles, space: LayoutSpace, demand: exact.Demand, n
     )  # fmt: skip
 
 
-def _open_cells(space: LayoutSpace, n_cells: int) -> np.ndarray:
+def _open_cells(space: LayoutSpace, n_cells: int) -> Bool[np.ndarray, " {n_cells}"]:
     """(n_cells,) bool: cells that hold an angle which is allowed; those in a single blocked arc hold none."""
     step = TURN / n_cells
     start = step * np.arange(n_cells)

@@ -17,6 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sparse
+from jaxtyping import Bool, Float, Int
 from scipy.optimize import Bounds, LinearConstraint, milp
 
 # Rounding of the single-precision matrix products, on weights that add up to 1.
@@ -56,19 +57,20 @@ class GridProgram:
         Number of sums.
     """
 
-    seen: np.ndarray
-    weights: np.ndarray
-    base: np.ndarray
+    seen: Bool[np.ndarray, "K P"]
+    weights: Float[np.ndarray, " P"]
+    base: Int[np.ndarray, " P"]
     n_free: int
     threshold: int
     window: int
-    allowed: np.ndarray
-    site: np.ndarray
+    allowed: Bool[np.ndarray, " K"]
+    site: Int[np.ndarray, " P"]
     n_sites: int = 1
 
-    def sums(self, covered: np.ndarray) -> np.ndarray:
+    def sums(self, covered: Bool[np.ndarray, " P"]) -> Float[np.ndarray, " S"]:
         """(n_sites,) weight of the points that the (P,) mask `covered` chooses."""
-        return np.bincount(self.site, weights=self.weights * covered, minlength=self.n_sites)
+        # Of no points at all it gives whole numbers.
+        return np.bincount(self.site, weights=self.weights * covered, minlength=self.n_sites).astype(np.float64)
 
     def merged(self) -> "GridProgram":
         """The same program with points of equal profile merged, and those that cannot be decided left out."""
@@ -79,7 +81,8 @@ class GridProgram:
         others = np.stack([self.base[kept], self.site[kept]]).astype(np.int32).view(np.uint8).reshape(2, -1, 4)
         key = np.concatenate([np.packbits(self.seen[:, kept], axis=0), *others.transpose(0, 2, 1)])
         _, first, group = np.unique(key.T, axis=0, return_index=True, return_inverse=True)
-        weights = np.bincount(group.reshape(-1), weights=self.weights[kept], minlength=len(first))
+        # Of no points at all it gives whole numbers.
+        weights = np.bincount(group.reshape(-1), weights=self.weights[kept], minlength=len(first)).astype(np.float64)
         return GridProgram(
             self.seen[:, kept][:, first], weights, self.base[kept][first], self.n_free, self.threshold, self.window,
             self.allowed, self.site[kept][first], self.n_sites,
@@ -270,7 +273,7 @@ def mixed_integer(
     return GridSolution(None, 0.0, 0.0 if infeasible else bound, "mixed-integer program", infeasible)
 
 
-def _halves(program: GridProgram, size: int) -> np.ndarray:
+def _halves(program: GridProgram, size: int) -> Int[np.ndarray, "H {size}"]:
     """(H, size) every increasing choice of `size` allowed places that keeps the window, the circle left open."""
     allowed = np.flatnonzero(program.allowed)
     chosen = np.zeros((1, 0), dtype=np.int64)

@@ -1,8 +1,9 @@
 r"""Ring profiles: from which ring angles a point is seen, and how far away the next change is.
 
 A point is visible from a ring angle if its face is turned towards the camera, it lies inside the field of view
-(which turns with the ring angle), and no face lies between (Embree). The boolean profile on a regular grid of
-angles becomes a signed angular distance to the nearest change, positive where visible::
+(which turns with the ring angle), and no face lies between (Embree). Where the boolean profile on a regular grid of
+angles changes, further rays find the angle; every grid angle then knows how far behind and how far ahead of it the
+nearest changes are. The nearer of the two is the signed angular distance, positive where visible::
 
     visible          ------#########-------------#####-----
     signed distance        /\                    /\
@@ -11,12 +12,15 @@ angles becomes a signed angular distance to the nearest change, positive where v
                        \/      \  /    \ /    \      \
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import trimesh
 from embreex.mesh_construction import TriangleMesh
 from embreex.rtcore_scene import EmbreeScene
+from jaxtyping import Bool, Float, Int
 
 import exact
 from exact.ring import MOST_CAMERAS
@@ -37,11 +41,13 @@ N_PARTS = 8
 class RingProfiles:
     """Visibility of sample points around a ring.
 
+    Between two grid angles visibility changes once or not at all.
+
     Attributes
     ----------
-    signed_distance : (K, N) ndarray
-        Angle [rad] from ring angle 2 pi k / K to the nearest change of visibility of point n, positive where
-        visible. pi for a point visible from everywhere, -pi for one visible from nowhere.
+    behind, ahead : (K, N) ndarray
+        Angle [rad] from ring angle 2 pi k / K back to the last and on to the next change of visibility of point n,
+        both positive where visible and negative where not. A full turn where visibility never changes.
     weights : (N,) ndarray
         What each point counts: the area it stands for [mm²], or its share of the ring maximum.
     site : (N,) ndarray of int
@@ -51,47 +57,101 @@ class RingProfiles:
         they add up to `weights`. A point that stands for several samples has weight in several parts.
     """
 
-    signed_distance: np.ndarray
-    weights: np.ndarray
-    site: np.ndarray
-    parts: np.ndarray
+    behind: Float[np.ndarray, "K N"]
+    ahead: Float[np.ndarray, "K N"]
+    weights: Float[np.ndarray, " N"]
+    site: Int[np.ndarray, " N"]
+    parts: Float[np.ndarray, "P N"]
 
     @staticmethod
-    def of(signed_distance: np.ndarray, weights: np.ndarray) -> "RingProfiles":
-        """Profiles of single samples, of which all belong to one sum."""
+    def of(signed_distance: Float[np.ndarray, "K N"], weights: Float[np.ndarray, " N"]) -> "RingProfiles":
+        """Profiles of single samples, of which all belong to one sum.
+
+        Visibility changes where linear interpolation of the signed distances [rad] on the grid crosses zero.
+
+        Examples
+        --------
+        >>> profiles = RingProfiles.of(np.array([[1.0], [-0.5], [-1.0], [-0.5]]), np.ones(1))
+        >>> profiles.at(np.radians([50, 70, 290, 310]))[:, 0].tolist()  # the arc ends at 60 degrees
+        [True, False, False, True]
+        """
+        visible = signed_distance > 0
+        at, point = _changes(visible)
+        here, there = signed_distance[at, point], signed_distance[(at + 1) % len(visible), point]
+        return RingProfiles._between(
+            visible, at, point, (at + here / (here - there)) * 2 * np.pi / len(visible), weights
+        )
+
+    @staticmethod
+    def _between(
+        visible: Bool[np.ndarray, "K N"],
+        at: Int[np.ndarray, " C"],
+        point: Int[np.ndarray, " C"],
+        change: Float[np.ndarray, " C"],
+        weights: Float[np.ndarray, " N"],
+    ) -> "RingProfiles":
+        """Profiles of single samples with changes at angles `change` in [grid[at], grid[at + 1]] of points `point`."""
+        n_angles = len(visible)
+        step = 2 * np.pi / n_angles
+        behind, ahead = np.full(visible.shape, np.inf), np.full(visible.shape, np.inf)
+        behind[(at + 1) % n_angles, point] = (at + 1) * step - change
+        ahead[at, point] = change - at * step
+        for k in range(1, 2 * n_angles):  # twice around: the circle has no first angle
+            here, there = k % n_angles, (k - 1) % n_angles
+            behind[here] = np.minimum(behind[here], behind[there] + step)
+            here, there = -k % n_angles, (-k + 1) % n_angles
+            ahead[here] = np.minimum(ahead[here], ahead[there] + step)
+        sign = np.where(visible, 1.0, -1.0)
         number = np.arange(len(weights))
-        parts = np.where(number % N_PARTS == np.arange(N_PARTS)[:, None], weights, 0.0)
-        return RingProfiles(signed_distance, weights, np.zeros(len(weights), dtype=np.int64), parts)
+        return RingProfiles(
+            sign * np.minimum(behind, 2 * np.pi),
+            sign * np.minimum(ahead, 2 * np.pi),
+            weights,
+            np.zeros(len(weights), dtype=np.int64),
+            np.where(number % N_PARTS == np.arange(N_PARTS)[:, None], weights, 0.0),
+        )
 
     @property
     def n_sites(self) -> int:
         """Number of sums."""
         return int(self.site.max(initial=0)) + 1
 
-    def sums(self, covered: np.ndarray) -> np.ndarray:
+    def sums(self, covered: Bool[np.ndarray, " N"]) -> Float[np.ndarray, " S"]:
         """(n_sites,) weight of the points that the (N,) mask `covered` chooses, site by site."""
-        return np.bincount(self.site, weights=self.weights * covered, minlength=self.n_sites)
+        # Of no points at all it gives whole numbers.
+        return np.bincount(self.site, weights=self.weights * covered, minlength=self.n_sites).astype(np.float64)
 
     @property
     def n_angles(self) -> int:
         """Number of grid angles K."""
-        return self.signed_distance.shape[0]
+        return self.ahead.shape[0]
+
+    @cached_property
+    def visible(self) -> Bool[np.ndarray, "K N"]:
+        """(K, N) bool, the boolean profiles on the grid."""
+        return self.behind + self.ahead > 0
 
     @property
-    def visible(self) -> np.ndarray:
-        """(K, N) bool, the boolean profiles on the grid."""
-        return self.signed_distance > 0
+    def signed_distance(self) -> Float[np.ndarray, "K N"]:
+        """(K, N) angle [rad] from each grid angle to the nearest change, positive where visible.
 
-    def subset(self, keep: np.ndarray) -> "RingProfiles":
+        pi for a point visible from everywhere, -pi for one visible from nowhere.
+        """
+        nearest = np.minimum(np.minimum(np.abs(self.behind), np.abs(self.ahead)), np.pi)
+        return np.where(self.visible, nearest, -nearest)
+
+    def subset(self, keep: Bool[np.ndarray, " N"]) -> "RingProfiles":
         """Profiles of the points where the (N,) mask `keep` is true."""
-        return RingProfiles(self.signed_distance[:, keep], self.weights[keep], self.site[keep], self.parts[:, keep])
+        return RingProfiles(
+            self.behind[:, keep], self.ahead[:, keep], self.weights[keep], self.site[keep], self.parts[:, keep]
+        )
 
     def scaled(self, factor: float) -> "RingProfiles":
         """The same points, each counting `factor` times as much."""
         return replace(self, weights=factor * self.weights, parts=factor * self.parts)
 
-    def at(self, angles) -> np.ndarray:
-        """Visibility of each point from any ring angles, by periodic linear interpolation.
+    def at(self, angles) -> Bool[np.ndarray, "M N"]:
+        """Visibility of each point from any ring angles: that of the grid angle before it, until the next change.
 
         Parameters
         ----------
@@ -104,10 +164,9 @@ class RingProfiles:
         """
         position = np.mod(np.asarray(angles, dtype=np.float64) / (2 * np.pi), 1.0) * self.n_angles
         left = np.floor(position).astype(np.int64)
-        share = (position - left)[:, None]
-        before = self.signed_distance[left % self.n_angles]
-        after = self.signed_distance[(left + 1) % self.n_angles]
-        return (1 - share) * before + share * after > 0
+        beyond = ((position - left) * 2 * np.pi / self.n_angles)[:, None]  # the grid angle before, by this much
+        left = left % self.n_angles
+        return self.ahead[left] > np.where(self.visible[left], beyond, -beyond)
 
 
 class Visibility:
@@ -140,7 +199,7 @@ class Visibility:
         vertices = np.ascontiguousarray(vertices - self._centre, dtype=np.float32)
         TriangleMesh(self._scene, vertices, np.ascontiguousarray(faces.reshape(-1, 3), dtype=np.int32))
 
-    def from_angles(self, samples: SurfaceSamples, ring: exact.Ring, angles) -> np.ndarray:
+    def from_angles(self, samples: SurfaceSamples, ring: exact.Ring, angles) -> Bool[np.ndarray, "M N"]:
         """(M, N) bool: does the camera at each of the (M,) ring angles [rad] see each of the N samples."""
         cameras = ring.cameras(angles)
         n_points = len(samples)
@@ -155,7 +214,7 @@ class Visibility:
             seen[first : first + step] = self._pairs(samples, batch, which, point).reshape(-1, n_points)
         return seen
 
-    def pairs(self, samples: SurfaceSamples, ring: exact.Ring, angles, points) -> np.ndarray:
+    def pairs(self, samples: SurfaceSamples, ring: exact.Ring, angles, points) -> Bool[np.ndarray, " P"]:
         """(P,) bool: does the camera at ring angle `angles[p]` [rad] see sample number `points[p]`."""
         points = np.asarray(points, dtype=np.int64)
         if len(points) == 0:
@@ -166,7 +225,13 @@ class Visibility:
         cameras = [camera for part in parts for camera in ring.cameras(part)]
         return self._pairs(samples, cameras, which, points)
 
-    def _pairs(self, samples, cameras, which, point) -> np.ndarray:
+    def _pairs(
+        self,
+        samples: SurfaceSamples,
+        cameras: Sequence[exact.Camera],
+        which: Int[np.ndarray, " P"],
+        point: Int[np.ndarray, " P"],
+    ) -> Bool[np.ndarray, " P"]:
         positions = np.stack([camera.position for camera in cameras])
         rotations = np.stack([camera.rotation for camera in cameras])
         half_extents = np.stack([camera.half_extent for camera in cameras])
@@ -201,11 +266,11 @@ def ring_profiles(
     n_angles: int = 120,
     bisections: int = 5,
 ) -> RingProfiles:
-    """Signed angular distance of every sample to the nearest change of its visibility, around the ring.
+    """Arcs of the ring from which every sample is visible.
 
     Each change found between two grid angles is located by `bisections` further rays, so its angle is known to
-    2 pi / K / 2**(bisections + 1), and linear interpolation between grid angles crosses zero there. An arc of
-    visibility (or of its absence) narrower than the grid's step can be missed.
+    2 pi / K / 2**(bisections + 1). An arc of visibility (or of its absence) that holds no grid angle is missed; it is
+    narrower than the grid's step.
 
     Parameters
     ----------
@@ -238,29 +303,16 @@ def ring_profiles(
     grid = step * np.arange(n_angles)
     visible = visibility.from_angles(samples, ring, grid)
 
-    # A change (k, n) lies between grid angles k and k + 1; halve that interval by asking its middle.
-    at, point = np.nonzero(visible != np.roll(visible, -1, axis=0))
-    before = visible[at, point]
+    at, point = _changes(visible)
+    before = visible[at, point]  # halve the interval by asking its middle
     low, width = grid[at], step
     for _ in range(bisections):
         width = width / 2
         low = low + width * (visibility.pairs(samples, ring, low + width, point) == before)
-    change = low + width / 2
-    return RingProfiles.of(_signed_distance(visible, at, point, change), samples.weights)
+    return RingProfiles._between(visible, at, point, low + width / 2, samples.weights)
 
 
-def _signed_distance(visible, at, point, change) -> np.ndarray:
-    """(K, N) signed distance from changes at angles `change` in (grid[at], grid[at + 1]) of points `point`."""
-    n_angles = len(visible)
-    step = 2 * np.pi / n_angles
-    behind = np.full(visible.shape, np.inf)  # from the last change before a grid angle to it
-    ahead = np.full(visible.shape, np.inf)  # from a grid angle to the next change
-    behind[(at + 1) % n_angles, point] = (at + 1) * step - change
-    ahead[at, point] = change - at * step
-    for k in range(1, 2 * n_angles):  # twice around: the circle has no first angle
-        here, there = k % n_angles, (k - 1) % n_angles
-        behind[here] = np.minimum(behind[here], behind[there] + step)
-        here, there = -k % n_angles, (-k + 1) % n_angles
-        ahead[here] = np.minimum(ahead[here], ahead[there] + step)
-    distance = np.minimum(np.minimum(behind, ahead), np.pi)  # pi: no change anywhere, or as far as one can be
-    return np.where(visible, distance, -distance)
+def _changes(visible: Bool[np.ndarray, "K N"]) -> tuple[Int[np.ndarray, " C"], Int[np.ndarray, " C"]]:
+    """Grid angle k and point n of each change of visibility, which lies between grid angles k and k + 1."""
+    at, point = np.nonzero(visible != np.roll(visible, -1, axis=0))
+    return at, point

@@ -8,6 +8,7 @@ import itertools
 from functools import cached_property
 
 import numpy as np
+from jaxtyping import Bool, Float, Int
 
 import exact
 from exact.demand import Criterion
@@ -62,15 +63,15 @@ class SampledCoverage:
         self._weights = profiles.weights.astype(np.float32)
 
     @cached_property
-    def _seen(self) -> np.ndarray:
+    def _seen(self) -> Float[np.ndarray, "N G"]:
         """(N, n_grid), points first: only the few that still wait for a view are taken. Single, for matrix products."""
         return np.ascontiguousarray(self.profiles.at(self.grid).T, dtype=np.float32)
 
     @cached_property
-    def _seen_pairs(self) -> np.ndarray:
+    def _seen_pairs(self) -> Float[np.ndarray, "N G"]:
         return np.ascontiguousarray(self._seen[:, :: self._stride])
 
-    def covered(self, angles) -> np.ndarray:
+    def covered(self, angles) -> Bool[np.ndarray, " N"]:
         """(N,) bool: which samples the layout of (M,) ring angles [rad] reconstructs."""
         theta = np.asarray(angles, dtype=np.float64)
         seen = self.profiles.at(theta)
@@ -84,7 +85,7 @@ class SampledCoverage:
         """What the search compares: `fraction` and, of several sums, a little of their mean."""
         return float(_worth(self.profiles.sums(self.covered(angles))))
 
-    def worth_with_one_more(self, angles) -> np.ndarray:
+    def worth_with_one_more(self, angles) -> Float[np.ndarray, " G"]:
         """(n_grid,) `worth` of the (M - 1,) ring angles [rad] and one more camera at each grid angle."""
         theta = np.asarray(angles, dtype=np.float64)
         seen = self.profiles.at(theta)
@@ -104,7 +105,7 @@ class SampledCoverage:
         weights = self._weights[waiting] * (self.profiles.site[waiting] == np.arange(self.profiles.n_sites)[:, None])
         return _worth((weights.astype(np.float32) @ won).astype(np.float64) + self.profiles.sums(done)[:, None])
 
-    def worth_with_two_more(self, angles) -> np.ndarray:
+    def worth_with_two_more(self, angles) -> Float[np.ndarray, "G G"]:
         """(G, G) `worth` of (M - 2,) ring angles [rad] and two more on `pair_grid`; any baseline is left out."""
         count = self.profiles.at(np.asarray(angles, dtype=np.float64)).sum(axis=0)
         short = self.demand.threshold - count
@@ -119,7 +120,7 @@ class SampledCoverage:
             sums.append((gained + (both.T * self._weights[two]) @ both).astype(np.float64) + already)
         return _worth(np.stack(sums))
 
-    def _sums(self, waiting: np.ndarray) -> np.ndarray:
+    def _sums(self, waiting: Int[np.ndarray, " W"]) -> Float[np.ndarray, "S G"]:
         """(n_sites, n_grid) weight of the `waiting` samples that each grid angle sees."""
         sums = []
         for site in range(self.profiles.n_sites):
@@ -128,7 +129,7 @@ class SampledCoverage:
             sums.append(np.einsum("n,ng->g", self._weights[of_site], self._seen[of_site]).astype(np.float64))
         return np.stack(sums)
 
-    def improve(self, space: LayoutSpace, angles, max_sweeps: int = 10) -> np.ndarray:
+    def improve(self, space: LayoutSpace, angles, max_sweeps: int = 10) -> Float[np.ndarray, " M"]:
         """Move one free camera at a time to its best grid angle until no move gains anything.
 
         Parameters
@@ -162,7 +163,7 @@ class SampledCoverage:
                 break
         return theta
 
-    def improve_pairs(self, space: LayoutSpace, angles, max_sweeps: int = 3) -> np.ndarray:
+    def improve_pairs(self, space: LayoutSpace, angles, max_sweeps: int = 3) -> Float[np.ndarray, " M"]:
         """Move two free cameras at once, then each alone, until nothing is gained; leaves most local optima.
 
         Parameters and result as for `improve`. With a baseline only single cameras are moved.
@@ -187,20 +188,20 @@ class SampledCoverage:
                 break
         return theta
 
-    def _far(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    def _far(self, first: Float[np.ndarray, " A"], second: Float[np.ndarray, " B"]) -> Bool[np.ndarray, "A B"]:
         chord = self.ring.diameter * np.abs(np.sin((first[:, None] - second[None, :]) / 2))
         return self.demand.apart(chord)
 
-    def _criterion(self, theta: np.ndarray) -> Criterion:
+    def _criterion(self, theta: Float[np.ndarray, " M"]) -> Criterion:
         return Criterion(self.demand.threshold, self._far(theta, theta) if self.demand.baseline > 0 else None)
 
 
-def _worth(sums: np.ndarray) -> np.ndarray:
+def _worth(sums: Float[np.ndarray, "S ..."]) -> Float[np.ndarray, "..."]:
     """The least along the first axis and, where there are several, MEAN_SHARE of their mean."""
-    return sums[0] if len(sums) == 1 else sums.min(axis=0) + MEAN_SHARE * sums.mean(axis=0)
+    return np.asarray(sums[0] if len(sums) == 1 else sums.min(axis=0) + MEAN_SHARE * sums.mean(axis=0))
 
 
-def _middle_of_best(values: np.ndarray, tolerance: float) -> int:
+def _middle_of_best(values: Float[np.ndarray, " G"], tolerance: float) -> int:
     """Index in the middle of the first run of values that equal the greatest: away from what would lose them."""
     best = int(values.argmax())
     end = best

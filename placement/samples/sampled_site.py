@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import trimesh
+from jaxtyping import Bool, Float
 
 import exact
 from placement.errors import PlacementError
@@ -109,7 +110,7 @@ def sample_site(
     return SampledSite(samples, visibility, _merged(profiles), ring_area)
 
 
-def faces_towards(mesh: trimesh.Trimesh, ring: exact.Ring) -> np.ndarray:
+def faces_towards(mesh: trimesh.Trimesh, ring: exact.Ring) -> Bool[np.ndarray, " F"]:
     """(F,) bool: faces in front of which some point of the ring lies; all others are seen by no camera.
 
     Examples
@@ -126,7 +127,7 @@ def faces_towards(mesh: trimesh.Trimesh, ring: exact.Ring) -> np.ndarray:
     return reach > np.einsum("fi,fi->f", normals, np.asarray(mesh.triangles)[:, 0])
 
 
-def in_view(corners: np.ndarray, ring: exact.Ring) -> np.ndarray:
+def in_view(corners: Float[np.ndarray, "P 3 3"], ring: exact.Ring) -> Bool[np.ndarray, " P"]:
     """(P,) bool: (P, 3, 3) triangles that may be inside the field of view of some camera of the ring.
 
     The field of view turns with the camera, so a camera is taken to see all within its circumcircle; and a camera
@@ -156,13 +157,13 @@ def _blind(reason: str, ring: exact.Ring, mesh: trimesh.Trimesh) -> str:
 
 def _merged(profiles: RingProfiles) -> RingProfiles:
     """Drop points that no angle sees; merge those that every angle sees into one (the last)."""
-    seen_from = profiles.visible.sum(axis=0)
-    always = (seen_from == profiles.n_angles) & (profiles.signed_distance.min(axis=0) >= np.pi)
-    decided = profiles.subset((seen_from > 0) & ~always)
+    always = np.asarray(profiles.visible.all(axis=0))
+    decided = profiles.subset(np.asarray(profiles.visible.any(axis=0)) & ~always)
     if not always.any():
         return decided
     return RingProfiles(
-        np.concatenate([decided.signed_distance, np.full((profiles.n_angles, 1), np.pi)], axis=1),
+        np.concatenate([decided.behind, np.full((profiles.n_angles, 1), 2 * np.pi)], axis=1),
+        np.concatenate([decided.ahead, np.full((profiles.n_angles, 1), 2 * np.pi)], axis=1),
         np.append(decided.weights, profiles.weights[always].sum()),
         np.append(decided.site, 0),
         np.concatenate([decided.parts, profiles.parts[:, always].sum(axis=1, keepdims=True)], axis=1),

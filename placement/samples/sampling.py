@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import trimesh
+from jaxtyping import Bool, Float, Int
 
 from exact.whole_numbers import is_whole
 from placement.errors import PlacementError
@@ -35,15 +36,15 @@ class SurfaceSamples:
         Face each one lies on.
     """
 
-    points: np.ndarray
-    normals: np.ndarray
-    weights: np.ndarray
-    faces: np.ndarray
+    points: Float[np.ndarray, "N 3"]
+    normals: Float[np.ndarray, "N 3"]
+    weights: Float[np.ndarray, " N"]
+    faces: Int[np.ndarray, " N"]
 
     def __len__(self) -> int:
         return len(self.weights)
 
-    def subset(self, chosen: np.ndarray) -> "SurfaceSamples":
+    def subset(self, chosen: Bool[np.ndarray, " N"] | Int[np.ndarray, " C"]) -> "SurfaceSamples":
         """The chosen ones, by mask or index."""
         return SurfaceSamples(self.points[chosen], self.normals[chosen], self.weights[chosen], self.faces[chosen])
 
@@ -129,7 +130,7 @@ def sample_surface(
     return SurfaceSamples(points, np.asarray(mesh.face_normals)[owner], weights, owner)
 
 
-def checked_exclude(mesh: trimesh.Trimesh, exclude) -> np.ndarray:
+def checked_exclude(mesh: trimesh.Trimesh, exclude) -> Bool[np.ndarray, " F"]:
     """(F,) bool: `exclude` checked against `mesh`, nothing excluded for None.
 
     Raises
@@ -156,7 +157,9 @@ def checked_exclude(mesh: trimesh.Trimesh, exclude) -> np.ndarray:
     return mask
 
 
-def _cut(corners: np.ndarray, parents: np.ndarray, limit: float) -> tuple[np.ndarray, np.ndarray]:
+def _cut(
+    corners: Float[np.ndarray, "P 3 3"], parents: Int[np.ndarray, " P"], limit: float
+) -> tuple[Float[np.ndarray, "Q 3 3"], Int[np.ndarray, " Q"]]:
     """Halve (P, 3, 3) triangles at their longest edge until no edge is longer than `limit`."""
     finished_corners, finished_parents = [], []
     while len(corners):
@@ -174,7 +177,7 @@ def _cut(corners: np.ndarray, parents: np.ndarray, limit: float) -> tuple[np.nda
     return np.concatenate(finished_corners), np.concatenate(finished_parents)
 
 
-def _morton_code(points: np.ndarray) -> np.ndarray:
+def _morton_code(points: Float[np.ndarray, "P 3"]) -> Int[np.ndarray, " P"]:
     """(P,) position of (P, 3) points along a Z-order curve: close on the curve is close in space."""
     low = points.min(axis=0)
     extent = float((points.max(axis=0) - low).max()) or 1.0

@@ -41,7 +41,7 @@ def polish(
     for _ in range(max_sweeps):
         before = best
         for camera in space.free_cameras(theta):
-            fraction = scorer.moving(theta, camera)
+            fraction = scorer.moving(theta, int(camera))
             for step in steps:
                 for direction in (step, -step):
                     while True:

@@ -6,7 +6,7 @@ from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from threading import Lock
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 import shapely
@@ -16,6 +16,7 @@ from exact.workers import background
 from placement.sites import Site, Sites
 
 
+@runtime_checkable
 class Memory(Protocol):
     """Areas that were evaluated before, by all that they depend on; a dict will do."""
 

@@ -36,7 +36,7 @@ class DescentEnd(NamedTuple):
 
 
 def descend(
-    parameters: np.ndarray,
+    parameters: Float[np.ndarray, "S P"],
     arcs: Arcs | None,
     surrogate: Surrogate,
     *,
@@ -90,9 +90,7 @@ def _descend(parameters, arcs, gap, points, temperatures, threshold, max_steps):
     def loss(parameters, args):
         arcs, temperature = args
         angles = angles_of(parameters, arcs)
-        return 1 - soft_coverage(
-            angles, points.signed_distance, points.weights, temperature, threshold, points.baseline
-        )
+        return 1 - soft_coverage(angles, points.changes, points.weights, temperature, threshold, points.baseline)
 
     def one_start(parameters, arcs, temperature):
         # throw=False: one bad start must not end the others.

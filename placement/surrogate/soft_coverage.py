@@ -6,6 +6,7 @@ the upper tail of a Poisson-binomial distribution, built up one camera at a time
 this becomes the true coverage of the samples.
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import equinox as eqx
@@ -28,44 +29,73 @@ class Baseline(NamedTuple):
     """Least chord between the two [mm]."""
 
 
+class Changes(NamedTuple):
+    """Where the visibility of points changes, seen from the grid angles 2 pi k / K: as in `RingProfiles`."""
+
+    behind: Float[Array, "K N"]
+    """Angle back to the last change [rad], positive where visible and negative where not."""
+    ahead: Float[Array, "K N"]
+    """Angle on to the next one [rad], with the same sign."""
+
+
 class Points(NamedTuple):
     """What soft coverage needs of the points; a pytree, so that new values do not compile again."""
 
-    signed_distance: Float[Array, "K N"]
+    changes: Changes
     weights: Float[Array, "S N"]
     baseline: Baseline | None
 
 
-def signed_distances(angles: Float[Array, " M"], signed_distance: Float[Array, "K N"]) -> Float[Array, "M N"]:
-    """Signed angular distance [rad] of each point at each ring angle: periodic linear interpolation.
+def signed_distances(angles: Float[Array, " M"], changes: Changes) -> Float[Array, "M N"]:
+    """Signed angular distance [rad] of each point at each ring angle to the nearest change, positive where visible.
+
+    Its slope is 1 or -1 nearly everywhere. pi for a point visible from everywhere, -pi for one from nowhere.
 
     Parameters
     ----------
     angles : (M,) Array
         Ring angles [rad]; full turns change nothing.
-    signed_distance : (K, N) Array
-        `RingProfiles.signed_distance`, on the grid 2 pi k / K.
+    changes : Changes
+        Of N points.
 
     Examples
     --------
-    >>> profile = jnp.array([[1.0], [0.0], [-1.0], [0.0]])
-    >>> signed_distances(jnp.array([0.0, jnp.pi / 4]), profile).ravel().tolist()
-    [1.0, 0.5]
+    >>> eighth = jnp.pi / 4  # one point, seen from ring angles up to an eighth of a turn from 0
+    >>> behind, ahead = jnp.array([[1.0], [-1.0], [-3.0], [-5.0]]), jnp.array([[1.0], [-5.0], [-3.0], [-1.0]])
+    >>> angles = eighth * jnp.array([0.0, 0.5, 2.5, 4.0])
+    >>> (signed_distances(angles, Changes(eighth * behind, eighth * ahead)).ravel() / eighth).round(9).tolist()
+    [1.0, 0.5, -1.5, -3.0]
     """
-    n_angles = signed_distance.shape[0]
-    position = jnp.mod(angles / (2 * jnp.pi), 1.0) * n_angles
-    left = jnp.floor(position)
-    share = (position - left)[:, None]
-    left = left.astype(int) % n_angles
-    return (1 - share) * signed_distance[left] + share * signed_distance[(left + 1) % n_angles]
+    return jax.vmap(_signed_distance, (0, None))(angles, changes)
 
 
-def at_least(probabilities: Float[Array, "M N"], threshold: int) -> Float[Array, " N"]:
+def _signed_distance(angle: Float[Array, ""], changes: Changes) -> Float[Array, " N"]:
+    n_angles = changes.ahead.shape[0]
+    step = 2 * jnp.pi / n_angles
+    position = jnp.mod(angle / (2 * jnp.pi), 1.0) * n_angles
+    before = jnp.floor(position)
+    beyond = (position - before) * step
+    before = before.astype(int) % n_angles
+    behind, ahead, next_ahead = changes.behind[before], changes.ahead[before], changes.ahead[(before + 1) % n_angles]
+
+    still = jax.lax.stop_gradient(beyond)
+    sign = jnp.where(behind + ahead > 0, 1.0, -1.0)
+    since = jnp.abs(behind) + still  # from the last change
+    until = jnp.abs(ahead) - still  # to the next one, below 0 once it is passed
+    after = still - step - jnp.abs(next_ahead)  # then this far from the one after it, times -1
+    distance = jnp.minimum(jnp.maximum(jnp.minimum(since, until), after), jnp.pi)
+    # The slope is known. Said outright, a gradient takes a quarter of the time that one through the minima takes.
+    rises = (since < until) | (until < after)
+    slope = jnp.where(distance < jnp.pi, jnp.where(rises, sign, -sign), 0.0)
+    return sign * distance + slope * (beyond - still)
+
+
+def at_least(probabilities: Sequence[Float[Array, " N"]] | Float[Array, "M N"], threshold: int) -> Float[Array, " N"]:
     """Probability that at least `threshold` of M independent events happen, in O(M threshold) per point.
 
     Parameters
     ----------
-    probabilities : (M, N) Array
+    probabilities : M arrays of shape (N,)
         Probability of each event, for each of N points.
     threshold : int
         1 or more. More than M gives 0.
@@ -76,15 +106,14 @@ def at_least(probabilities: Float[Array, "M N"], threshold: int) -> Float[Array,
     >>> at_least(coins, 2).tolist()
     [0.5]
     """
-    n_points = probabilities.shape[1]
-    none_yet = jnp.zeros((threshold + 1, n_points)).at[0].set(1.0)
-
-    def add(counts, probability):  # counts[t]: P(exactly t so far), the last one P(at least threshold)
-        gained = counts[:-1] * probability
-        stayed = jnp.concatenate([counts[:-1] * (1 - probability), counts[-1:]])
-        return stayed.at[1:].add(gained), None
-
-    counts, _ = jax.lax.scan(add, none_yet, probabilities, unroll=True)
+    impossible = jnp.zeros_like(probabilities[0])
+    # counts[t]: P(exactly t so far), the last one P(at least threshold). Arrays of their own, never stacked: cutting
+    # a stack apart again makes a gradient five times slower.
+    counts = [impossible + 1] + [impossible] * threshold
+    for probability in probabilities:
+        gained = [count * probability for count in counts[:-1]]
+        stayed = [count * (1 - probability) for count in counts[:-1]] + counts[-1:]
+        counts = stayed[:1] + [stay + gain for stay, gain in zip(stayed[1:], gained, strict=True)]
     return counts[-1]
 
 
@@ -109,7 +138,7 @@ def apart(
 
 def soft_coverage(
     angles: Float[Array, " M"],
-    signed_distance: Float[Array, "K N"],
+    changes: Changes,
     weights: Float[Array, "S N"],
     temperature: Float[Array, ""],
     threshold: int = 2,
@@ -121,8 +150,8 @@ def soft_coverage(
     ----------
     angles : (M,) Array
         Ring angles [rad], in any order.
-    signed_distance : (K, N) Array
-        Ring profiles [rad].
+    changes : Changes
+        Ring profiles of N points.
     weights : (S, N) Array
         What each point counts in each of S sums. With shares of the ring maximum the result is a fraction of it. Of
         several sums the soft minimum is taken, which is below the least by at most SOFT_MINIMUM x log S.
@@ -141,17 +170,18 @@ def soft_coverage(
 
     Examples
     --------
-    >>> seen_from_the_right = jnp.array([[1.5], [0.0], [-1.5], [0.0]])
+    >>> behind, ahead = jnp.array([[1.0], [-1.0], [-3.0], [-5.0]]), jnp.array([[1.0], [-5.0], [-3.0], [-1.0]])
+    >>> seen_from_the_right = Changes(jnp.pi / 4 * behind, jnp.pi / 4 * ahead)
     >>> cold, weights = jnp.asarray(1e-3), jnp.ones((1, 1))
     >>> round(float(soft_coverage(jnp.array([-0.5, 0.5]), seen_from_the_right, weights, cold)), 9)
     1.0
     >>> round(float(soft_coverage(jnp.array([0.5, 2.5]), seen_from_the_right, weights, cold)), 9)
     0.0
     """
-    probabilities = jax.nn.sigmoid(signed_distances(angles, signed_distance) / temperature)
+    probabilities = [jax.nn.sigmoid(_signed_distance(angle, changes) / temperature) for angle in angles]
     covered = at_least(probabilities, threshold)
     if baseline is not None:
-        covered = covered * apart(angles, probabilities, baseline, temperature)
+        covered = covered * apart(angles, jnp.stack(probabilities), baseline, temperature)
     sums = weights @ covered
     if sums.shape[0] == 1:
         return sums[0]
@@ -161,4 +191,4 @@ def soft_coverage(
 @eqx.filter_jit
 def compiled_coverage(angles, points: Points, temperature, threshold: int):
     """`soft_coverage` of the points, compiled once for each shape of them and each threshold."""
-    return soft_coverage(angles, points.signed_distance, points.weights, temperature, threshold, points.baseline)
+    return soft_coverage(angles, points.changes, points.weights, temperature, threshold, points.baseline)

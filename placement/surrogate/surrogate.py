@@ -47,7 +47,7 @@ class Surrogate:
         """The points as arrays of JAX."""
         import jax.numpy as jnp
 
-        from placement.surrogate.soft_coverage import Baseline, Points
+        from placement.surrogate.soft_coverage import Baseline, Changes, Points
 
         profiles = self._profiles
         weights = np.zeros((profiles.n_sites, len(profiles.weights)))
@@ -56,7 +56,7 @@ class Surrogate:
         spare = ((0, 0), (0, -len(profiles.weights) % POINTS_PER_STEP))
         baseline = Baseline(jnp.asarray(self._ring.diameter), jnp.asarray(self.demand.baseline))
         return Points(
-            jnp.asarray(np.pad(profiles.signed_distance, spare)),
+            Changes(jnp.asarray(np.pad(profiles.behind, spare)), jnp.asarray(np.pad(profiles.ahead, spare))),
             jnp.asarray(np.pad(weights, spare)),
             baseline if self.demand.baseline > 0 else None,
         )
