@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from placement.search.equidistant import best_equidistant_phase
     from placement.settings import Settings
     from placement.sites import falloff
+    from placement.surrogate.surrogate import soft_coverage
     from placement.triangulation import Triangulation, triangulation
 
 __all__ = [
@@ -49,6 +50,7 @@ __all__ = [
     "recommend",
     "recommend_count",
     "robustness",
+    "soft_coverage",
     "triangulation",
 ]
 

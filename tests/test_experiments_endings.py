@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 from bad_input_cases import box, put, stl
 
-from experiments.cli import main
+from experiments.cli.app import main
 
 HERE = Path(__file__).parent
 # How long a command may take to be gone, with all that it has started, once it has said why [s].

@@ -3,15 +3,21 @@
 JAX takes a second to import, so it is only when points or a value are asked for.
 """
 
+from collections.abc import Callable
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 import exact
+from placement.errors import PlacementError
+from placement.layouts.constraints import Constraints
 from placement.samples.profiles import RingProfiles
 
 if TYPE_CHECKING:
+    from jax import Array
+
+    from placement.problem import Problem
     from placement.surrogate.soft_coverage import Points
 
 # The number of points is rounded up to a multiple of this.
@@ -70,3 +76,55 @@ class Surrogate:
         return float(
             compiled_coverage(jnp.asarray(angles), self.points, jnp.asarray(temperature), self.demand.threshold)
         )
+
+
+def soft_coverage(
+    problem: "Problem", temperature: float = 0.03, constraints: Constraints | None = None
+) -> Callable[["Array"], "Array"]:
+    """What the search maximises, as a function of the ring angles that JAX can differentiate.
+
+    Unlike the exact area it is an estimate, from the samples of the problem.
+
+    Parameters
+    ----------
+    problem : Problem
+        Sites, ring, and what makes a point count.
+    temperature : float
+        Width of the step from unseen to seen [rad], positive: the smaller, the nearer to the area and the steeper.
+    constraints : Constraints, optional
+        Only their baseline matters here.
+
+    Returns
+    -------
+    callable
+        From (M,) ring angles [rad], of any number of cameras M, to soft coverage as a fraction of the sampled ring
+        maximum, a () Array. It may be given to `jax.grad`, `jax.jit`, `jax.vmap` and any minimiser of JAX.
+
+    Raises
+    ------
+    PlacementError
+        If the temperature is not positive.
+
+    Examples
+    --------
+    >>> import jax, jax.numpy as jnp, trimesh
+    >>> from placement import Problem, Settings
+    >>> bar = trimesh.creation.box((60, 10, 1))
+    >>> problem = Problem(bar, exact.Ring(), settings=Settings(n_samples=200, n_angles=36, ring_cameras=8))
+    >>> coverage = soft_coverage(problem, temperature=0.3)
+    >>> slope = jax.grad(coverage)(jnp.array([0.5, 3.6]))  # both would rather look along the bar
+    >>> slope.shape, bool(jnp.isfinite(slope).all()), slope.dtype
+    ((2,), True, dtype('float64'))
+    """
+    if not (isinstance(temperature, int | float | np.number) and 0 < temperature < np.inf):
+        raise PlacementError(f"temperature is {temperature!r}; it must be positive and finite [rad]")
+    import jax.numpy as jnp
+
+    from placement.surrogate.soft_coverage import soft_coverage as of_points
+
+    _, surrogate = problem.coverage(Constraints() if constraints is None else constraints)
+    points, threshold = surrogate.points, surrogate.demand.threshold
+    width = jnp.asarray(temperature, dtype=float)
+    return lambda angles: of_points(
+        jnp.asarray(angles), points.changes, points.weights, width, threshold, points.baseline
+    )
