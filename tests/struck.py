@@ -22,10 +22,12 @@ import loky
 import exact
 import experiments
 import meshes
-from exact import surface
+import placement
+from exact.visibility import surface
 from exact.workers import processes
-from experiments import bench_exact, cli
-from placement import profiles
+from experiments.bench import exact_areas as bench_exact
+from experiments.cli import app as cli
+from placement.samples import profiles
 
 # From a terminal all processes get them.
 SIGNALS = {"interrupted": signal.SIGINT, "terminated": signal.SIGTERM, "hung up": signal.SIGHUP}
@@ -186,8 +188,9 @@ if __name__ == "__main__":
     os.sched_getaffinity, os.cpu_count = lambda _: {0, 1}, lambda: 2  # two workers, whatever the machine
     flat = meshes.site("circ_flat", depth=50, detail="coarse")
     meshes.site = lambda *_, **__: flat
-    for module in pkgutil.iter_modules(experiments.__path__):
-        importlib.import_module(f"experiments.{module.name}")
+    for package in (exact, placement, experiments):
+        for module in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
+            importlib.import_module(module.name)
     bench_exact.MEASUREMENTS = (bench_exact._many_cameras,)  # the others start no workers
     serve()
     cli.main()
