@@ -189,7 +189,8 @@ def _checked_angles(angles) -> np.ndarray:
     worst = int(np.argmax(np.abs(theta)))
     if abs(theta[worst]) > LARGEST_ANGLE:
         raise ExactError(
-            f"ring angle {worst + 1} is {theta[worst]:g} rad; it must be from {-LARGEST_ANGLE:g} to {LARGEST_ANGLE:g}"
+            f"ring angle {worst + 1} is {theta[worst]:g} rad; it must be at least {-LARGEST_ANGLE:g} and at most "
+            f"{LARGEST_ANGLE:g}"
         )
     return theta
 

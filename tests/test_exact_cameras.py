@@ -116,7 +116,7 @@ def test_cameras_cannot_be_changed_by_accident():
         (lambda: exact.Ring().equidistant(3, phase=-np.inf), r"phase is -inf; it must be from"),
         (lambda: exact.Ring().equidistant(3, phase="x"), r"phase is 'x'; it must be a number \[rad\]"),
         (lambda: exact.Ring().positions(["x"]), r"ring angles are \['x'\]; they must be one row of numbers"),
-        (lambda: exact.Ring().positions([0.0, 2e6]), r"ring angle 2 is 2e\+06 rad; it must be from -1e\+06 to 1e\+06"),
+        (lambda: exact.Ring().positions([0.0, 2e6]), r"ring angle 2 is 2e\+06 rad; it must be .* at most 1e\+06"),
         (lambda: exact.Camera.look_at((0, 0, 5e9), (0, 0, 0), (0, 1, 0)), r"position is .* at most 4e\+09 \[mm\]"),
         (lambda: exact.Camera.look_at((0, 0, 1), (0, 0, 0), (0, 1, 0), fov=(-3, 2)), r"fov width is -3\.0"),
         (lambda: exact.Ring().cameras([0.0])[0].moved("turn it"), r"needs a rigid \(4, 4\) matrix"),
