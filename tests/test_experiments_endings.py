@@ -121,7 +121,7 @@ SCRIPTS = {
         "[110. 100.]",
     ),
     "work in the background": (
-        "begun = RingMaximum(checked_sites(trimesh.creation.icosphere(subdivisions=5, radius=12)), ring, workers=2)\n"
+        "begun = RingMaximum(checked_sites(trimesh.creation.icosphere(subdivisions=5, radius=12)), ring, demand, workers=2)\n"
         "start_processes(2)\nbegun.begin()\ntime.sleep(1)\nraise ValueError('of the script')",
         1,
         "ValueError: of the script",
@@ -143,6 +143,7 @@ from placement.search.ring_maximum import RingMaximum
 from placement.sites import checked_sites
 seen, unseen, ring = trimesh.creation.box((10, 10, 1)), trimesh.creation.box((10, 10, 10)), exact.Ring()
 unseen.apply_translation((500, 0, 0))
+demand = exact.Demand()
 layouts = [ring.cameras([0.0, angle]) for angle in (1.0, 2.0)]
 """
 
