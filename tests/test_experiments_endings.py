@@ -121,7 +121,8 @@ SCRIPTS = {
         "[110. 100.]",
     ),
     "work in the background": (
-        "begun = RingMaximum(checked_sites(trimesh.creation.icosphere(subdivisions=5, radius=12)), ring, demand, workers=2)\n"
+        "ball = checked_sites(trimesh.creation.icosphere(subdivisions=5, radius=12))\n"
+        "begun = RingMaximum(ball, ring, demand, workers=2)\n"
         "start_processes(2)\nbegun.begin()\ntime.sleep(1)\nraise ValueError('of the script')",
         1,
         "ValueError: of the script",
