@@ -365,7 +365,7 @@ OPTIONS = {
         "0,1e300",
         library=lambda: exact.Ring().cameras([0, 1e300]),
     ),
-    "T = 0": evaluated(r"threshold is 0 .*whole number from 1", "--cameras", 2, "--threshold", 0),
+    "T = 0": evaluated(r"threshold is 0; it must be a whole number, at least 1", "--cameras", 2, "--threshold", 0),
     "T > M": evaluated(r"threshold is 3 with 2 cameras.*lower the threshold", "--cameras", 2, "--threshold", 3),
     "no camera": evaluated(r"number of cameras is 0; .*at least 1", "--cameras", 0),
     "a billion cameras": evaluated(r"number of cameras is 1000000000; .*at most", "--cameras", 10**9),

@@ -5,6 +5,9 @@ import re
 import pytest
 from bad_input_cases import CASES
 
+# Requests of a wrong type are refused by what they are made to, not by the check of types that tests add.
+pytestmark = pytest.mark.usefixtures("unchecked")
+
 
 def everything(folder):
     """Files and links below a folder with their size and time. An empty folder that was made for results is none."""

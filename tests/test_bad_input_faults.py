@@ -219,7 +219,7 @@ def test_too_little_memory(tmp_path):
     code = (
         "import resource, sys\n"
         "from experiments.cli.app import main\n"
-        "from experiments import command_evaluate, coverage_mesh\n"
+        "from experiments.cli.commands import evaluate\nfrom experiments.exports import coverage_mesh\n"
         "used = int(open('/proc/self/statm').read().split()[0]) * resource.getpagesize()\n"
         "resource.setrlimit(resource.RLIMIT_AS, (used + 200_000_000,) * 2)\n"
         "main(sys.argv[1:])\n"
@@ -293,7 +293,7 @@ def test_two_runs_do_not_write_into_one_folder(camring, tmp_path):
 
 def _bits(mesh):
     ring = exact.Ring()
-    found = exact.evaluate(mesh, ring.cameras(ring.equidistant(5)), 3)
+    found = exact.evaluate(mesh, ring.cameras(ring.equidistant(5)), threshold=3)
     return found.area.hex(), found.face_areas.tobytes(), found.level_areas.tobytes()
 
 

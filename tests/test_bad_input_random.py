@@ -20,6 +20,9 @@ from experiments.request import options as request_options
 from experiments.request import rig as rig_file
 from placement.layouts.arcs import LayoutSpace
 
+# Requests of a wrong type are refused by what they are made to, not by the check of types that tests add.
+pytestmark = pytest.mark.usefixtures("unchecked")
+
 FUZZER = Path(__file__).parent / "fuzz" / "fuzz_readers.py"
 QUICK = settings(max_examples=300, deadline=None)
 
@@ -70,8 +73,8 @@ def test_a_layout_file_is_read_or_refused(folder, changes, without):
     except InputError as error:
         assert "layout.json" in str(error)
         return
-    assert 1 <= found.threshold <= len(found.angles)
-    assert 0 <= found.min_baseline <= found.ring.diameter
+    assert 1 <= found.demand.threshold <= len(found.angles)
+    assert 0 <= found.demand.min_baseline <= found.ring.diameter
     assert all(isinstance(name, str) and isinstance(key, str) for key, name in found.made_for.items())
     try:
         cameras = found.ring.cameras(found.angles)

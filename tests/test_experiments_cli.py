@@ -240,7 +240,7 @@ def test_a_rig_file_gives_the_number_of_cameras_to_evaluate(camring, scan, tmp_p
     rig = text(tmp_path, "rig.toml", "[cameras]\ncount = 3\nthreshold = 3\n[constraints]\nmin_baseline = 20\n")
     content = json.loads(camring("evaluate", scan, "--rig", rig, "--json")[1])
     ring = exact.Ring()
-    area = exact.evaluate(meshes.load(scan), ring.cameras(ring.equidistant(3)), 3, min_baseline=20.0).area
+    area = exact.evaluate(meshes.load(scan), ring.cameras(ring.equidistant(3)), threshold=3, min_baseline=20.0).area
     assert content["area_mm2"] == pytest.approx(area)
     more = json.loads(camring("evaluate", scan, "--rig", rig, "--cameras", 5, "--json")[1])
     assert (len(more["angles_rad"]), more["threshold"], more["min_baseline_mm"]) == (5, 3, 20.0)

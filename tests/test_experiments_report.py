@@ -224,10 +224,10 @@ def test_every_colour_has_the_area_of_the_exact_evaluator(min_baseline):
             if shade.area is not None:  # coordinates are rounded to a micrometre
                 assert area[colouring.shade == number].sum() == pytest.approx(shade.area, abs=0.2)
     for colouring, layout in zip(drawn.colourings, (ring.equidistant(3), angles), strict=False):
-        expected = exact.evaluate(mesh, ring.cameras(layout), 2, exclude, min_baseline)
+        expected = exact.evaluate(mesh, ring.cameras(layout), exclude=exclude, min_baseline=min_baseline)
         assert f"{expected.area:.2f} mm² reconstructable" in colouring.caption
     for camera, seen in zip(ring.cameras(angles), drawn.camera_areas, strict=True):
-        assert seen == pytest.approx(exact.evaluate(mesh, [camera], 1, exclude).area, rel=1e-9)
+        assert seen == pytest.approx(exact.evaluate(mesh, [camera], threshold=1, exclude=exclude).area, rel=1e-9)
 
 
 def test_a_fine_site_makes_a_small_file(made):

@@ -49,8 +49,8 @@ def fractions(desk, angles, min_count=2):
     found = []
     for name in ("a", "b"):
         mesh = meshes.load(desk / f"{name}.stl")
-        whole = exact.evaluate(mesh, RING.cameras(RING.equidistant(8)), min_count).area
-        found.append(exact.evaluate(mesh, RING.cameras(angles), min_count).area / whole)
+        whole = exact.evaluate(mesh, RING.cameras(RING.equidistant(8)), threshold=min_count).area
+        found.append(exact.evaluate(mesh, RING.cameras(angles), threshold=min_count).area / whole)
     return found
 
 
@@ -237,4 +237,4 @@ def test_a_baseline_that_cannot_be_is_refused(camring, desk, tmp_path):
     content["constraints"] = {"min_angle": np.radians(1.0)}
     (tmp_path / "layout.json").write_text(json.dumps(content), encoding="utf-8")
     read = layout_file.read(tmp_path / "layout.json")
-    assert read.min_baseline == pytest.approx(2 * np.hypot(400, 15) * np.sin(np.radians(0.5)))
+    assert read.demand.min_baseline == pytest.approx(2 * np.hypot(400, 15) * np.sin(np.radians(0.5)))

@@ -61,7 +61,9 @@ def test_no_area_of_an_instrument_is_lost():
     rod = INSTRUMENTS["held in the channel"]
     cameras = RING.cameras(RING.equidistant(4))
     seen = [
-        exact.evaluate(meshes.check(together(SITE, one), repair=True), cameras, 1).face_areas[len(SITE.faces) :].sum()
+        exact.evaluate(meshes.check(together(SITE, one), repair=True), cameras, threshold=1)
+        .face_areas[len(SITE.faces) :]
+        .sum()
         for one in (rod, inside_out(rod))
     ]
     assert seen[1] == pytest.approx(seen[0], rel=1e-12) and seen[0] > 16  # more than its upper end

@@ -194,7 +194,7 @@ def test_triangulation_of_a_layout(bars):
     assert found.smallest_separation == pytest.approx(30 / np.sqrt(2))
     widest = 2 * np.arctan(15 / (400 - 37.5))  # two opposite cameras and a point on the highest bar
     assert np.radians(4.0) < found.mean_best_angle < found.widest_angle <= widest
-    reconstructed = exact.evaluate(bars, RING.cameras(RING.equidistant(4)), 2).area
+    reconstructed = exact.evaluate(bars, RING.cameras(RING.equidistant(4))).area
     assert found.weights.sum() == pytest.approx(reconstructed, rel=0.02)
 
 

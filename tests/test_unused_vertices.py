@@ -54,7 +54,7 @@ def test_areas(coordinate):
     mesh, cameras = with_vertex(CROSSING, coordinate), [above(), above(3.0)]
     assert exact.view(CROSSING, cameras[0]).area == pytest.approx(EXPECTED, rel=1e-12)
     assert exact.view(mesh, cameras[0]).area == exact.view(CROSSING, cameras[0]).area
-    found, expected = (exact.evaluate(one, cameras, 2) for one in (mesh, CROSSING))
+    found, expected = (exact.evaluate(one, cameras) for one in (mesh, CROSSING))
     assert found.face_areas.tolist() == expected.face_areas.tolist()
     assert found.to_mesh().bounds.tolist() == expected.to_mesh().bounds.tolist()
     assert exact.OneMore(mesh, cameras[:1]).area(cameras[1]) == exact.OneMore(CROSSING, cameras[:1]).area(cameras[1])
@@ -64,7 +64,7 @@ def test_areas(coordinate):
 @pytest.mark.parametrize("coordinate", [1e30, 1e8, -1e8])
 def test_areas_beside_a_face_without_area(coordinate):
     found = exact.evaluate(with_face(CROSSING, coordinate), [above()], 1)
-    assert found.face_areas.tolist() == [*exact.evaluate(CROSSING, [above()], 1).face_areas.tolist(), 0.0]
+    assert found.face_areas.tolist() == [*exact.evaluate(CROSSING, [above()], threshold=1).face_areas.tolist(), 0.0]
     closed = trimesh.creation.box((10, 10, 10))
     assert exact.view(with_face(closed, coordinate), above(fov=(90, 90))).area == pytest.approx(100, rel=1e-12)
 

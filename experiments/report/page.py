@@ -124,6 +124,12 @@ def page(made: LayoutFile, shown: exact.Scene, count_table: Path) -> str:
     )
 
 
+def _constraints(kept: dict[str, Any]) -> placement.Constraints:
+    """Constraints as they stand in a layout file."""
+    arcs = tuple((start, end) for start, end in kept["forbidden"])
+    return placement.Constraints(**(kept | {"fixed": tuple(kept["fixed"]), "forbidden": arcs}))
+
+
 def _layouts(made: LayoutFile, shown: exact.Scene) -> tuple[list[dict[str, Any]], list]:
     """Rows of the table of layouts; for the histogram, names, best angles [degrees] and weights of two of them."""
     content, n = made.content, len(made.angles)
@@ -134,7 +140,7 @@ def _layouts(made: LayoutFile, shown: exact.Scene) -> tuple[list[dict[str, Any]]
         ("optimised", "optimised", made.angles),
     )
     rows, spreads = [], []
-    fractions, limits = content["fractions_of_ring_maximum"], placement.Constraints(**content["constraints"])
+    fractions, limits = content["fractions_of_ring_maximum"], _constraints(content["constraints"])
     for kind, name, angles in kinds:
         spread = placement.triangulation(shown, made.ring, angles, demand=made.demand, n_samples=ANGLE_SAMPLES)
         rows.append(

@@ -81,8 +81,11 @@ def _of_class(kind: type) -> tuple[Declared, ...]:
 @cache
 def _of_source(module: str, name: str) -> tuple[Declared, ...] | None:
     """Of a class whose source says it all; None if a base or a computed default takes more than reading."""
-    package = importlib.util.find_spec(module.partition(".")[0])
-    spec = PathFinder.find_spec(module, package and package.submodule_search_locations)
+    first, *parts = module.split(".")
+    spec, path = importlib.util.find_spec(first), first
+    for part in parts:  # `importlib.util.find_spec` would import each package on the way
+        path += f".{part}"
+        spec = spec and PathFinder.find_spec(path, spec.submodule_search_locations)
     source = spec and spec.loader and spec.loader.get_source(module)  # type: ignore[attr-defined]
     kind = next(
         (one for one in ast.parse(source or "").body if isinstance(one, ast.ClassDef) and one.name == name), None

@@ -58,8 +58,8 @@ def layout_reader(folder: Path) -> Callable[[bytes], None]:
             found.ring.cameras(found.angles)
         except (InputError, exact.ExactError):
             return
-        assert 1 <= found.threshold <= len(found.angles), "threshold"
-        assert found.min_baseline >= 0, "baseline"
+        assert 1 <= found.demand.threshold <= len(found.angles), "threshold"
+        assert found.demand.min_baseline >= 0, "baseline"
 
     return read
 
