@@ -16,7 +16,7 @@ import exact
 import meshes
 from experiments.cli.app import main
 from experiments.report import request_text as report_words
-from experiments.report import scene as report_scene
+from experiments.report.scene import drawn_surface
 from experiments.request import rig as rig_file
 from experiments.request.layout_file import read
 
@@ -215,7 +215,7 @@ def test_every_colour_has_the_area_of_the_exact_evaluator(min_baseline):
     mesh = meshes.site("circ_artery", depth=50, detail="coarse")
     ring, exclude = exact.Ring(), meshes.top_surface(mesh)
     angles = np.array([0.3, 1.1, 3.9])
-    drawn = report_scene.scene(mesh, ring, angles, 2, exclude, min_baseline)
+    drawn = drawn_surface(exact.Scene(mesh, exclude=exclude), ring, angles, exact.Demand(2, min_baseline))
     corners = (drawn.origin + drawn.step * drawn.vertices)[drawn.triangles]
     area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) / 2
     assert area.sum() == pytest.approx(mesh.area, rel=1e-4)
@@ -234,6 +234,7 @@ def test_a_fine_site_makes_a_small_file(made):
     """At most 8 MB with 20 000 faces: the surface, and a report that has next to none."""
     mesh = trimesh.load_mesh(meshes.standard_file("circ_overhang", 50)).subdivide()
     assert len(mesh.faces) > 17_000
-    drawn = report_scene.scene(mesh, exact.Ring(), np.linspace(0.1, 6.0, 4), 2, meshes.top_surface(mesh))
+    scene = exact.Scene(mesh, exclude=meshes.top_surface(mesh))
+    drawn = drawn_surface(scene, exact.Ring(), np.linspace(0.1, 6.0, 4), exact.Demand())
     surface = len(drawn.packed()) * 20_000 / len(mesh.faces)
     assert surface + (made / "out" / "report.html").stat().st_size < 8e6

@@ -13,6 +13,7 @@ import meshes
 import placement
 from experiments.request import options as request_options
 from experiments.request import rig as rig_file
+from experiments.request.layout_file import constraints_of
 from experiments.request.option_kinds import NUMBER
 from experiments.request.option_text import parse_angles, parse_arcs
 
@@ -200,7 +201,7 @@ def test_optimise_meets_what_file_and_options_ask_for(camring, write, scan, tmp_
     assert [row["layout"].split(",")[0] for row in content["layouts"]] == ["equidistant", "equidistant", "optimised"]
     written = json.loads((out / "layout.json").read_text(encoding="utf-8"))
     assert {key: content[key] for key in written} == written
-    kept = placement.Constraints(**written["constraints"])
+    kept = constraints_of(written["constraints"])
     assert kept == rig_file.rig(rig, forbidden_deg="60:200", min_separation=6.0).constraints
     ring = exact.Ring(fov=(60, 40))
     assert kept.violations(ring, written["angles_rad"]) == []

@@ -15,7 +15,7 @@ from experiments.files.whole import written_whole
 from experiments.report import request_text as report_words
 from experiments.report.drawings import count_drawing, histogram_drawing, ring_drawing
 from experiments.report.scene import DrawnSurface, drawn_surface, packed
-from experiments.request.layout_file import LayoutFile
+from experiments.request.layout_file import LayoutFile, constraints_of
 from experiments.tables.layouts import SHARES
 from experiments.tables.robustness import PAIRS_SHOWN_UNTIL, consensus_words
 from experiments.terminal.console import note
@@ -124,12 +124,6 @@ def page(made: LayoutFile, shown: exact.Scene, count_table: Path) -> str:
     )
 
 
-def _constraints(kept: dict[str, Any]) -> placement.Constraints:
-    """Constraints as they stand in a layout file."""
-    arcs = tuple((start, end) for start, end in kept["forbidden"])
-    return placement.Constraints(**(kept | {"fixed": tuple(kept["fixed"]), "forbidden": arcs}))
-
-
 def _layouts(made: LayoutFile, shown: exact.Scene) -> tuple[list[dict[str, Any]], list]:
     """Rows of the table of layouts; for the histogram, names, best angles [degrees] and weights of two of them."""
     content, n = made.content, len(made.angles)
@@ -140,7 +134,7 @@ def _layouts(made: LayoutFile, shown: exact.Scene) -> tuple[list[dict[str, Any]]
         ("optimised", "optimised", made.angles),
     )
     rows, spreads = [], []
-    fractions, limits = content["fractions_of_ring_maximum"], _constraints(content["constraints"])
+    fractions, limits = content["fractions_of_ring_maximum"], constraints_of(content["constraints"])
     for kind, name, angles in kinds:
         spread = placement.triangulation(shown, made.ring, angles, demand=made.demand, n_samples=ANGLE_SAMPLES)
         rows.append(

@@ -221,6 +221,14 @@ def _baseline(content: dict[str, Any], ring: exact.Ring) -> float:
         raise InputError(str(error)) from error
 
 
+def constraints_of(kept: dict[str, Any]) -> "placement.Constraints":
+    """Constraints as `camring optimise` writes them."""
+    import placement
+
+    arcs = tuple((start, end) for start, end in kept["forbidden"])
+    return placement.Constraints(**(kept | {"fixed": tuple(kept["fixed"]), "forbidden": arcs}))
+
+
 def _angles(content: dict[str, Any]) -> np.ndarray:
     given = []
     for key, unit in (("angles_rad", 1.0), ("angles_deg", np.pi / 180)):
