@@ -95,6 +95,17 @@ def test_a_command_ends_at_once_whatever_its_workers_do(run, fault):
     assert_ended(run(COMMANDS["bench exact"], fault), *MORE_FAULTS[fault])
 
 
+@pytest.mark.parametrize(
+    ("fault", "end"),
+    [
+        ("interrupted while a library computes", FAULTS["interrupted"]),
+        ("a library computes in a thread", FAULTS["refused"]),
+    ],
+)
+def test_a_command_ends_at_once_whatever_its_libraries_do(run, fault, end):
+    assert_ended(run(COMMANDS["optimise"], fault), *end)
+
+
 def test_workers_leave_with_a_command_that_is_killed(run):
     ended = run(COMMANDS["bench exact"], "killed")
     assert (ended["status"], ended["left"]) == (-signal.SIGKILL, [])

@@ -152,8 +152,8 @@ def test_a_layout_for_many_poses():
         (dict(site_weights=[0.0, 0.0]), "not all 0"),
         (dict(site_weights=[1.0, float("nan")]), "site_weights are"),
         (dict(exclude=[None]), "1 arrays are given for 2 meshes"),
-        (dict(face_weights=np.ones(3)), r"face_weights have shape \(3,\)"),
-        (dict(face_weights=np.zeros(len(BARS[0].faces))), "not all 0"),
+        (dict(face_weights=np.ones(3)), r"weights has shape \(3,\)"),
+        (dict(face_weights=np.zeros(len(BARS[0].faces))), "the weights of all 24 faces are 0; give some of them more"),
         (
             dict(face_weights=np.where(BARS[0].face_normals[:, 2] < -0.5, 1.0, 0.0)),
             "turned towards the ring has weight 0",

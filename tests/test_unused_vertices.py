@@ -63,7 +63,7 @@ def test_areas(coordinate):
 
 @pytest.mark.parametrize("coordinate", [1e30, 1e8, -1e8])
 def test_areas_beside_a_face_without_area(coordinate):
-    found = exact.evaluate(with_face(CROSSING, coordinate), [above()], 1)
+    found = exact.evaluate(with_face(CROSSING, coordinate), [above()], threshold=1)
     assert found.face_areas.tolist() == [*exact.evaluate(CROSSING, [above()], threshold=1).face_areas.tolist(), 0.0]
     closed = trimesh.creation.box((10, 10, 10))
     assert exact.view(with_face(closed, coordinate), above(fov=(90, 90))).area == pytest.approx(100, rel=1e-12)

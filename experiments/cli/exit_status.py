@@ -7,7 +7,6 @@ import os
 import signal
 import sys
 import threading
-import time
 from typing import TextIO
 
 TARGET_MISSED, REFUSED, FAULT, INTERRUPTED = 1, 2, 70, 130
@@ -18,8 +17,8 @@ _STOPPING = {getattr(signal, name): name for name in ("SIGINT", "SIGTERM", "SIGH
 # How long a command that is asked to stop may take to come to its end [s]: libraries compute for minutes without
 # looking, and some swallow the interrupt.
 GRACE = 2.0
-# How long threads in the middle of such a library may then hold up the end [s].
-PATIENCE = 1.0
+# How long threads in the middle of such a library may then hold up the end, and how long putting things in order [s].
+PATIENCE = 0.5
 
 _stopped_by = int(signal.SIGINT)
 _is_leaving = threading.Event()
@@ -78,7 +77,9 @@ def _end_when_asked(asked: int) -> None:
     while number not in _STOPPING:
         number = os.read(asked, 1)[0]
     if not _is_leaving.wait(GRACE):
-        _end_now(_stopped(number))
+        status = _stopped(number)
+        _limit(status)
+        _end_now(status)
 
 
 def leave(status: int) -> None:
@@ -89,14 +90,17 @@ def leave(status: int) -> None:
     if threading.current_thread() is threading.main_thread():
         for number in _STOPPING:
             signal.signal(number, signal.SIG_IGN)
+    _limit(status)
     _end_workers()
-    threading.Thread(target=_end_late, daemon=True).start()
     sys.exit(status)
 
 
-def _end_late() -> None:
-    time.sleep(PATIENCE)
-    _end_now(_status)
+def _limit(status: int) -> None:
+    """From now on the end is near, even if all locks are held by threads that do not go on."""
+    for seconds, end in ((PATIENCE, _end_now), (2 * PATIENCE, os._exit)):
+        timer = threading.Timer(seconds, end, (status,))
+        timer.daemon = True
+        timer.start()
 
 
 def _end_at_last() -> None:

@@ -122,6 +122,7 @@ def drawn_surface(
 
     Examples
     --------
+    >>> import trimesh
     >>> plate = trimesh.creation.box((10, 10, 2))
     >>> made = drawn_surface(exact.Scene(plate), exact.Ring(), np.array([0.0, np.pi]), exact.Demand())
     >>> [(colouring.name, len(colouring.shades)) for colouring in made.colourings]
