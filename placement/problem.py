@@ -11,7 +11,7 @@ from exact.workers import available_cores
 from placement.errors import refusing
 from placement.layouts.arcs import LayoutSpace
 from placement.layouts.constraints import Constraints, checked_seed, demanded
-from placement.progress import Progress
+from placement.progress import Progress, nothing
 from placement.proof.certificate import Certificate
 from placement.recommend import Recommendation, recommend, refuse_target
 from placement.results import Placement
@@ -92,7 +92,7 @@ class Problem:
     ):
         refuse_unknown(asked, {*scene_keywords(), *demand_keywords(), "demand"})
         seed = checked_seed(seed)
-        report = progress or (lambda what, done, total: None)
+        report = progress or nothing
         with refusing():
             self.demand = checked_demand(asked)
         of_scenes = {name: asked.get(name) for name in scene_keywords()}

@@ -139,8 +139,8 @@ def robustness(
         raise PlacementError(f"n_mountings is {n_mountings!r}; it must be a whole number, at least 1")
     if not (isinstance(mounting_error, int | float | np.number) and 0 <= mounting_error < np.inf):
         raise PlacementError(f"mounting_error is {mounting_error!r}; it must be finite and at least 0 [rad]")
-    theta, ring, demand = canonical(angles), problem.ring, problem.demanded(constraints)
-    scorer, cameras = problem.scorer(constraints), ring.cameras(canonical(angles))
+    theta, demand, scorer = canonical(angles), problem.demanded(constraints), problem.scorer(constraints)
+    cameras = problem.ring.cameras(theta)
     sets = [exact.view_sets(site.scene, cameras, workers=problem.workers) for site in problem.sites.members]
     without = ~np.eye(len(theta), dtype=bool)
     failed = [scorer.combined([of_site.area(demand=demand, cameras=kept) for of_site in sets]) for kept in without]

@@ -232,8 +232,5 @@ def test_a_layout_can_see_more_than_the_ring_maximum():
     found = placement.optimise(mesh, RING, 2, exclude=exclude, settings=few)
     assert found.fraction > 1 and found.certificate.bound_fraction >= found.certificate.layout_fraction > 1
     assert f"{100 * found.fraction:.2f} %" in found._repr_html_()
-    assert placement.robustness(found_problem(mesh, exclude, few), found.angles, n_mountings=1).fraction > 1
-
-
-def found_problem(mesh, exclude, settings):
-    return placement.Problem(mesh, RING, exclude=exclude, settings=settings)
+    problem = placement.Problem(mesh, RING, exclude=exclude, settings=few)
+    assert placement.robustness(problem, found.angles, n_mountings=1).fraction > 1

@@ -249,6 +249,25 @@ def test_a_rig_file_gives_the_number_of_cameras_to_evaluate(camring, scan, tmp_p
     assert "a layout brings its own ring; leave --rig" in err
 
 
+def test_evaluate_leaves_out_what_a_rig_file_says_of_several_meshes_and_poses(camring, scan, tmp_path):
+    plain, several = tmp_path / "plain.toml", tmp_path / "several.toml"
+    plain.write_text("[cameras]\ncount = 3\n", encoding="utf-8")
+    several.write_text("[cameras]\ncount = 3\n[sites]\nsite_weights = [1, 2]\n[poses]\njitter = 4\n", encoding="utf-8")
+    one, other = (json.loads(camring("evaluate", scan, "--rig", rig, "--json")[1]) for rig in (plain, several))
+    assert one == other
+
+
+def test_evaluate_weights_faces_as_a_rig_file_has_it_and_says_so(camring, scan, tmp_path):
+    (tmp_path / "rig.toml").write_text("[cameras]\ncount = 3\n[sites]\nfalloff_mm = 6.0\n", encoding="utf-8")
+    asked = ("evaluate", scan, "--rig", tmp_path / "rig.toml")
+    mesh, ring = meshes.load(scan), exact.Ring()
+    away = np.linalg.norm(mesh.triangles_center, axis=1)
+    cameras = ring.cameras(ring.equidistant(3))
+    expected = exact.evaluate(mesh, cameras).face_areas @ 2.0 ** -((away / 6.0) ** 2)
+    assert json.loads(camring(*asked, "--json")[1])["area_mm2"] == pytest.approx(expected, rel=1e-12)
+    assert "a face 6 mm from the focus counts half" in " ".join(camring(*asked)[1].split())
+
+
 def write_far_away(folder):
     trimesh.creation.box((5, 5, 5)).apply_translation((900, 0, 0)).export(folder / "far.stl")
     return folder / "far.stl"

@@ -106,7 +106,14 @@ scale = 25.4
 def test_every_key_arrives(write, tmp_path):
     rig = rig_file.rig(write(EVERYTHING))
     assert rig.ring((1.0, 1.0)) == exact.Ring(20, 300, (40, 30), (1, 2, 3), (0, 1, 1))
-    assert (rig.n_cameras, rig.threshold, rig.seed, rig.certify, rig.repair, rig.scale) == (6, 3, 7, False, True, 25.4)
+    assert (rig.n_cameras, rig.demand.threshold, rig.seed, rig.certify, rig.repair, rig.scale) == (
+        6,
+        3,
+        7,
+        False,
+        True,
+        25.4,
+    )
     assert rig.constraints.min_separation == 2.5
     assert rig.constraints.min_baseline == 4.0
     assert np.degrees(rig.constraints.min_angle) == pytest.approx(1.5)
@@ -124,7 +131,7 @@ def test_an_option_wins_over_the_file_and_the_file_over_the_default(write):
     assert rig.fov == (10.0, 20.0)
     assert np.degrees(rig.constraints.fixed) == pytest.approx([45])
     assert np.degrees(rig.constraints.forbidden) == pytest.approx(np.array([[60, 90], [350, 10]]))
-    assert (rig.diameter, rig.threshold, rig.constraints.min_baseline) == (20.0, 3, 4.0)
+    assert (rig.diameter, rig.demand.threshold, rig.constraints.min_baseline) == (20.0, 3, 4.0)
     assert rig_file.rig(path, fixed_deg="", forbidden_deg="").constraints.fixed == ()
     assert rig_file.rig(write("")) == rig_file.rig()
 

@@ -31,8 +31,8 @@ class Rig:
         Field of view [mm]; None for the one recommended for the site.
     focus, axis : (float, float, float)
         The point all cameras look at [mm], and the direction from it to the ring's centre.
-    n_cameras, threshold : int
-        Number of cameras, and how many must see a point.
+    n_cameras : int
+        Number of cameras.
     demand : exact.Demand
         All that makes a point count.
     constraints : placement.Constraints
@@ -62,7 +62,6 @@ class Rig:
     focus: tuple[float, float, float]
     axis: tuple[float, float, float]
     n_cameras: int
-    threshold: int
     demand: exact.Demand
     constraints: placement.Constraints
     seed: int
@@ -124,7 +123,6 @@ def rig(path: Path | None = None, **options: Any) -> Rig:
     return Rig(
         **fields_of("Ring", values),
         n_cameras=values["count"],
-        threshold=values["threshold"],
         demand=demand.Demand(**fields_of("Demand", values)),
         constraints=constraints,
         settings=placement.Settings(**fields_of("Settings", values)),

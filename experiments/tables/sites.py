@@ -25,14 +25,17 @@ def headings(asked: Request, result: placement.Placement, of_cameras: str = "") 
             f"to {asked.rig.shift_mm:g} mm"
         )
     if asked.rig.falloff_mm is not None:
-        lines.append(
-            f"areas are weighted: a face {asked.rig.falloff_mm:g} mm from the focus counts half, one twice as far 1/16"
-        )
+        lines.append(weights_words(asked.rig.falloff_mm))
     lines.append(
         f"ring maximum ({result.settings.ring_cameras} cameras): {result.ring_area / asked.n_poses:.2f} mm²; a point "
         f"counts when {result.demand.clause(of_cameras)}"
     )
     return lines
+
+
+def weights_words(falloff_mm: float) -> str:
+    """What it means that areas are weighted by the distance from the focus."""
+    return f"areas are weighted: a face {falloff_mm:g} mm from the focus counts half, one twice as far 1/16"
 
 
 def _areas(asked: Request) -> str:

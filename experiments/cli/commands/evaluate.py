@@ -1,6 +1,6 @@
 """camring evaluate: the exact area that a given set of ring cameras reconstructs."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +16,7 @@ from experiments.request.option_text import parse_angles
 from experiments.request.request import Request, request
 from experiments.request.rig import overridden
 from experiments.request.target_fraction import checked_target, reach
+from experiments.tables.sites import weights_words
 from experiments.terminal.console import note, print_json, table, terminal
 from experiments.terminal.progress import progress_bar
 from placement.search.ring_maximum import unbased
@@ -62,7 +63,9 @@ def run(
         raise InputError(
             "a layout brings its own ring; leave --rig, --fov, --diameter, --working-distance and --focus out"
         )
-    asked = request([mesh], depth, detail, rig_file.rig(rig_path, **options))
+    # One mesh as it is: what a rig file says of several and of poses is for layouts that serve them all.
+    rig = replace(rig_file.rig(rig_path, **options), jitter=1, site_weights=None)
+    asked = request([mesh], depth, detail, rig)
     if layout is not None:
         cameras = _from_layout(layout, asked, options, force)
     else:
@@ -180,6 +183,8 @@ def refuse_unseen(about: Subject, result: exact.Reconstruction) -> None:
 def _print(asked: Request, angles: np.ndarray, result: exact.Reconstruction, content: dict[str, Any]) -> None:
     console = terminal()
     console.print(f"{asked.name}: {len(asked.subjects[0].mesh.faces)} faces; not counted: {asked.excluded[0].words}")
+    if asked.rig.falloff_mm is not None:
+        console.print(weights_words(asked.rig.falloff_mm))
     shown = table("seen by", "exact area [mm²]")
     for level, area in enumerate(result.level_areas, start=1):
         who = "at least 1 camera" if level == 1 else f"at least {level} cameras"
