@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from exact.results import Reconstruction
     from exact.ring import Ring
     from exact.scene import Scene
+    from exact.usable.limits import Limits
+    from exact.usable.optics import Optics
     from exact.view_sets import ViewSets, view_sets
     from exact.visibility.view import View, view
 
@@ -22,7 +24,9 @@ __all__ = [
     "Camera",
     "Demand",
     "ExactError",
+    "Limits",
     "OneMore",
+    "Optics",
     "Reconstruction",
     "Ring",
     "Scene",

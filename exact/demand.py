@@ -3,16 +3,23 @@
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
-from exact.cameras import Camera
+from exact.cameras import Camera, finite_vector
 from exact.errors import ExactError
+from exact.predicted.bound import ErrorBound, Predictor
+from exact.usable.limits import Limits
+from exact.usable.optics import Optics
+from exact.visibility.surface import Surface
 from exact.whole_numbers import is_whole
 
 # Two cameras are far enough apart if they fall short of it by rounding only: positions are rounded to 1e-16 of their
 # coordinates, which for a ring 1e6 mm from the origin is 1e-9 of a baseline of a tenth of a millimetre.
 SAME_LENGTH = 1e-9
+# Along what an error is measured.
+ERRORS = ("depth", "normal")
 
 
 @dataclass(frozen=True)
@@ -25,6 +32,17 @@ class Demand:
         Number of cameras that must see a point for it to count.
     min_baseline : float
         Least distance between some two of the cameras that see a point [mm].
+    max_error : float, optional
+        Greatest error with which a point may be reconstructed from all cameras that see it: one standard deviation
+        [mm].
+    error : {"depth", "normal"}
+        Along what errors are measured: along `depth_axis`, or along the normal of the surface.
+    depth_axis : (3,) tuple of float, optional
+        Direction of depth; by default the mean of the cameras' optical axes. On a ring, its axis.
+    limits : Limits
+        What makes a view usable. A camera sees a point only if its view of it is.
+    optics : Optics
+        Pixels and lens, which errors and limits depend on.
 
     Raises
     ------
@@ -43,6 +61,11 @@ class Demand:
 
     threshold: int = 2
     min_baseline: float = 0.0
+    max_error: float | None = None
+    error: Literal["depth", "normal"] = "depth"
+    depth_axis: tuple[float, float, float] | None = None
+    limits: Limits = Limits()
+    optics: Optics = Optics()
 
     def __post_init__(self):
         if isinstance(self.threshold, bool | np.bool) or not (is_whole(self.threshold) and self.threshold >= 1):
@@ -53,6 +76,24 @@ class Demand:
         if not (isinstance(baseline, int | float | np.number) and 0 <= baseline <= sys.float_info.max):
             raise ExactError(f"min_baseline is {baseline!r}; it must be a number, finite and at least 0 [mm]")
         object.__setattr__(self, "min_baseline", float(baseline))
+        if self.max_error is not None:
+            largest = self.max_error
+            if not (isinstance(largest, int | float | np.number) and 0 < largest <= sys.float_info.max):
+                raise ExactError(f"max_error is {largest!r}; it must be a number, positive and finite [mm]")
+            object.__setattr__(self, "max_error", float(largest))
+        if self.error not in ERRORS:
+            raise ExactError(f'error is {self.error!r}; it must be "depth" or "normal"')
+        if self.depth_axis is not None:
+            axis = finite_vector("depth axis", self.depth_axis, 3)
+            if not axis.any():
+                raise ExactError("depth axis is the zero vector; give the direction of depth")
+            object.__setattr__(self, "depth_axis", tuple(axis.tolist()))
+        for name, kind in (("limits", Limits), ("optics", Optics)):
+            if not isinstance(getattr(self, name), kind):
+                raise ExactError(
+                    f"{name} is a {type(getattr(self, name)).__name__}; an exact.{kind.__name__} is needed"
+                )
+        self.limits.refuse_without(self.optics)
 
     @property
     def baseline(self) -> float:
@@ -62,7 +103,7 @@ class Demand:
     @property
     def words(self) -> str:
         """What it takes, as the end of "the area ..."."""
-        return f"seen by at least {self.threshold} camera{'' if self.threshold == 1 else 's'}{self._apart_words}"
+        return f"seen by at least {self.threshold} camera{'' if self.threshold == 1 else 's'}{self._more_words}"
 
     def clause(self, of: str = "") -> str:
         """What it takes, as the end of "a point counts when ..."; `of` may say of how many cameras: " of the 4".
@@ -73,11 +114,15 @@ class Demand:
         ('at least 2 cameras see it', 'at least 1 camera sees it')
         """
         see = "camera sees" if self.threshold == 1 else "cameras see"
-        return f"at least {self.threshold}{of} {see} it{self._apart_words}"
+        return f"at least {self.threshold}{of} {see} it{self._more_words}"
 
     @property
-    def _apart_words(self) -> str:
-        return "" if self.baseline == 0 else f", two of them at least {self.baseline:.4g} mm apart"
+    def _more_words(self) -> str:
+        more = [] if self.baseline == 0 else [f"two of them at least {self.baseline:.4g} mm apart"]
+        more += self.limits.words
+        if self.max_error is not None:
+            more.append(f"to {self.error} errors of at most {self.max_error:.4g} mm")
+        return "".join(f", {words}" for words in more)
 
     def apart(self, distances: np.ndarray) -> np.ndarray:
         """Which distances between two cameras [mm] are far enough, as an array of bool of the same shape."""
@@ -90,9 +135,22 @@ class Demand:
         position = np.array([camera.position for camera in cameras]).reshape(-1, 3)
         return self.apart(np.linalg.norm(position[:, None] - position[None, :], axis=2))
 
-    def of(self, cameras: Sequence[Camera]) -> "Criterion":
-        """The same for these (M,) cameras: which sets of them meet it."""
-        return Criterion(self.threshold, self.far(cameras))
+    def of(self, cameras: Sequence[Camera], surface: Surface) -> "Criterion":
+        """The same for these (M,) cameras on a surface: which sets of them meet it where."""
+        bound = None
+        if self.max_error is not None:
+            bound = ErrorBound(self.predictor(cameras, surface), self.max_error, self.error)
+        return Criterion(self.threshold, self.far(cameras), limits=self.limits, optics=self.optics, bound=bound)
+
+    def predictor(self, cameras: Sequence[Camera], surface: Surface) -> Predictor:
+        """Errors that these cameras make on a surface."""
+        axis = self.depth_axis
+        if axis is None:
+            axis = -np.sum([camera.rotation[2] for camera in cameras], axis=0)
+            # Cameras that look at each other leave no common direction: then that of the first.
+            axis = -cameras[0].rotation[2] if np.linalg.norm(axis) < SAME_LENGTH * len(cameras) else axis
+        axis = np.asarray(axis, dtype=np.float64) / np.abs(axis).max()
+        return Predictor(surface, tuple(cameras), self.optics, axis / np.linalg.norm(axis))
 
     def refuse_fewer(self, n_cameras: int) -> None:
         """Refuse a number of cameras that can never meet it.
@@ -106,6 +164,8 @@ class Demand:
                 f"threshold is {self.threshold} with {n_cameras} cameras; it must be a whole number from 1 to the "
                 "number of cameras: add cameras or lower the threshold"
             )
+        if n_cameras == 1 and self.max_error is not None:
+            raise ExactError("one camera reconstructs no depth; with max_error at least 2 cameras are needed")
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,20 +180,40 @@ class Criterion:
         Pairs of which at least one must; None where any two will do.
     sets : bool
         Whether it matters which cameras see a part, so that only parts that the very same ones see may be merged.
+    limits : Limits
+        What makes a view usable.
+    optics : Optics
+        Of the cameras.
+    bound : ErrorBound or None
+        The error that a point may have.
     """
 
     threshold: int
     far: np.ndarray | None = None
     sets: bool = False
+    limits: Limits = Limits()
+    optics: Optics = Optics()
+    bound: ErrorBound | None = None
 
-    def met(self, seen: np.ndarray) -> np.ndarray:
-        """(N,) whether each row of `seen` (N, M) meets it."""
+    def enough(self, seen: np.ndarray) -> np.ndarray:
+        """(N,) whether each row of `seen` (N, M) are cameras enough, and far enough apart, whatever the error."""
         enough = np.asarray(seen.sum(axis=1) >= self.threshold)
         return enough if self.far is None else enough & self._paired(seen)
 
+    def met(self, seen: np.ndarray, face: np.ndarray) -> np.ndarray:
+        """(N,) whether each row of `seen` (N, M) meets it all over a part of the face (N,).
+
+        With a bound on the error: whether it surely does. What is left undecided is cut by `predicted.contour`.
+        """
+        enough = self.enough(seen)
+        if self.bound is None or not enough.any():
+            return enough
+        enough[enough] = self.bound.holds_all_over(face[enough], seen[enough])
+        return enough
+
     def state(self, seen: np.ndarray, coming: np.ndarray) -> np.ndarray:
         """(N, K) rows that are equal for parts that will meet it by the same future views `coming` (M,)."""
-        if self.sets:
+        if self.sets or self.bound is not None:
             return seen
         count = np.minimum(seen.sum(axis=1), self.threshold)[:, None]
         if self.far is None:
@@ -147,3 +227,8 @@ class Criterion:
 
     def _paired(self, seen: np.ndarray) -> np.ndarray:
         return np.asarray((seen & self._reach(seen)).any(axis=1))
+
+
+def every_view(demand: Demand, cameras: Sequence[Camera]) -> Criterion:
+    """What no part ever meets, so that each camera is asked about all of them; with the limits of the demand."""
+    return Criterion(len(cameras) + 1, sets=True, limits=demand.limits, optics=demand.optics)

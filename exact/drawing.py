@@ -7,9 +7,10 @@ import shapely
 
 from exact.cameras import Camera
 from exact.demand import Demand
+from exact.predicted.reconstructed import divided
 from exact.visibility.clipping import GRID_SIZE, whole_faces
 from exact.visibility.projection import image_polygons
-from exact.visibility.view import view
+from exact.visibility.view import view_of
 
 if TYPE_CHECKING:
     from exact.results import Reconstruction
@@ -53,9 +54,10 @@ def regions_from(
     reconstruction: "Reconstruction", camera: Camera, demand: Demand
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """As `seen_from`, with (N,) bool before the last: whether each region meets `demand`, of no higher threshold."""
-    criterion = demand.of(reconstruction._cameras)
-    scene, tally = reconstruction.scene, reconstruction._tally
-    whole, cut_face, cut_piece = view(scene, camera)._parts
+    scene = reconstruction.scene
+    criterion = demand.of(reconstruction._cameras, scene.surface)
+    tally, whole_met, piece_met = divided(scene.surface, scene.counted, reconstruction._tally, criterion)
+    whole, cut_face, cut_piece = view_of(scene, camera)._parts
     shown_face, shown = np.concatenate([whole, cut_face]), np.concatenate([whole_faces(len(whole)), cut_piece])
     is_whole = np.arange(len(shown_face)) < len(whole)
     count = np.minimum(tally.whole_seen.sum(axis=1), reconstruction.threshold)
@@ -77,7 +79,7 @@ def regions_from(
     face = np.concatenate([shown_face[plain], pieces.face[found]])
     polygon = np.concatenate([shown[plain], clipped])
     n_views = np.concatenate([count[shown_face[plain]], piece_count])
-    met = np.concatenate([criterion.met(tally.whole_seen[shown_face[plain]]), criterion.met(pieces.seen[found])])
+    met = np.concatenate([whole_met[shown_face[plain]], piece_met[found]])
     parts, owner = shapely.get_parts(polygon, return_index=True)
     areal = shapely.get_dimensions(parts) == 2  # an intersection may leave points and lines, which show nothing
     parts, owner = parts[areal], owner[areal]

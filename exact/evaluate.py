@@ -5,12 +5,12 @@ from concurrent.futures import as_completed
 from typing import Any
 
 import numpy as np
-import shapely
 import trimesh
 
 from exact.cameras import Camera
 from exact.demand import Criterion
 from exact.errors import ExactError
+from exact.predicted.reconstructed import area_by_face, piece_areas, reconstructed
 from exact.requests import (
     ASKED,
     checked,
@@ -55,9 +55,10 @@ def evaluate(
         takes a moment to start them. The result does not depend on it.
     report : callable, optional
         Called with the number of further cameras done, from time to time; for progress bars.
-    exclude, weights
-        Which faces of `mesh` count, and how much: see `Scene`, which may take the place of `mesh`.
-    threshold, min_baseline
+    exclude, weights, obstacles, lights
+        Which faces of `mesh` count, and how much, and what hides and lights it: see `Scene`, which may take the place
+        of `mesh`.
+    threshold, min_baseline, max_error, error, depth_axis, limits, optics
         What makes a point count: see `Demand`, which may be given as `demand` instead.
 
     Returns
@@ -85,15 +86,18 @@ def evaluate(
     demand.refuse_fewer(len(cameras))
     if depth_order not in ("exact", "vertex"):
         raise ExactError(f'depth_order is {depth_order!r}; it must be "exact" or "vertex"')
-    criterion = demand.of(cameras)
-    seen = tally(scene.surface, cameras, criterion, scene.counted, checked_workers(workers), report, depth_order)
-    whole_met, piece_met = _met(scene, seen, criterion)
-    levels = [_met(scene, seen, Criterion(level)) for level in range(1, demand.threshold + 1)]
+    criterion = demand.of(cameras, scene.surface)
+    seen = tally(
+        scene.surface, cameras, criterion, scene.counted, checked_workers(workers), report, depth_order, scene.lit
+    )
+    met = reconstructed(scene.surface, scene.counted, seen, criterion)
+    levels = [
+        reconstructed(scene.surface, scene.counted, seen, Criterion(level)) for level in range(1, demand.threshold + 1)
+    ]
+    by_face, *by_level = (scene.of_mesh(area_by_face(scene.surface, *part)) for part in (met, *levels))
     return Reconstruction(
-        scene, demand, _face_areas(scene, seen, whole_met, piece_met),
-        np.stack([_face_areas(scene, seen, *level) for level in levels]),
-        seen.n_repairs + _overlapping(scene, seen), cameras, seen, whole_met, piece_met,
-    )  # fmt: skip
+        scene, demand, by_face, np.stack(by_level), seen.n_repairs + _overlapping(scene, seen), cameras, seen, met
+    )
 
 
 @shows(ASKED)
@@ -115,8 +119,8 @@ def areas(
         Number of processes among which the layouts are shared. The result does not depend on it.
     report : callable, optional
         Called with 1 for each layout done, in any order; for progress bars.
-    exclude, weights, threshold, min_baseline, demand
-        As for `evaluate`.
+    **asked
+        What counts, and on what, as for `evaluate`.
 
     Returns
     -------
@@ -141,7 +145,7 @@ def areas(
     tasks = []
     for cameras in map(checked_cameras, layouts):
         demand.refuse_fewer(len(cameras))
-        tasks.append((cameras, demand.of(cameras)))
+        tasks.append((cameras, demand.of(cameras, scene.surface)))
     workers = min(checked_workers(workers), len(tasks))
     if workers <= 1:
         found = []
@@ -160,25 +164,13 @@ def areas(
 
 
 def _area(scene: Scene, cameras: Sequence[Camera], criterion: Criterion) -> float:
-    seen = tally(scene.surface, cameras, criterion, scene.counted, workers=1)
-    return float(scene.worth(_face_areas(scene, seen, *_met(scene, seen, criterion))))
-
-
-def _met(scene: Scene, seen: Tally, criterion: Criterion) -> tuple[np.ndarray, np.ndarray]:
-    """(F,) whole faces and (P,) pieces that meet it."""
-    whole = scene.counted & ~seen.is_cut & (scene.surface.areas > 0)
-    return whole & criterion.met(seen.whole_seen), criterion.met(seen.pieces.seen)
-
-
-def _face_areas(scene: Scene, seen: Tally, whole: np.ndarray, pieces: np.ndarray) -> np.ndarray:
-    """(F,) area of whole faces and of pieces, by face [mm²]."""
-    areas, face = scene.surface.areas, seen.pieces.face[pieces]
-    piece_areas = 2 * areas[face] * shapely.area(seen.pieces.polygon[pieces])
-    return np.where(whole, areas, 0.0) + np.minimum(np.bincount(face, piece_areas, minlength=len(areas)), areas)
+    seen = tally(scene.surface, cameras, criterion, scene.counted, workers=1, lit=scene.lit)
+    met = reconstructed(scene.surface, scene.counted, seen, criterion)
+    return float(scene.worth(area_by_face(scene.surface, *met)))
 
 
 def _overlapping(scene: Scene, seen: Tally) -> int:
-    """Faces whose pieces overlap by more than rounding, which `_face_areas` cuts short."""
-    areas, face = scene.surface.areas, seen.pieces.face
-    filled = np.bincount(face, 2 * areas[face] * shapely.area(seen.pieces.polygon), minlength=len(areas))
+    """Faces whose pieces overlap by more than rounding, which `area_by_face` cuts short."""
+    areas = scene.surface.areas
+    filled = np.bincount(seen.pieces.face, piece_areas(scene.surface, seen.pieces), minlength=len(areas))
     return int((filled > areas * (1 + OVERLAP)).sum())

@@ -1,15 +1,21 @@
 """What came out: the reconstructable part of a surface."""
 
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 import trimesh
 
 from exact.cameras import Camera
-from exact.demand import Demand
+from exact.demand import Demand, every_view
+from exact.errors import ExactError
+from exact.predicted.errors import Errors, errors_over
+from exact.predicted.reconstructed import area_by_face, reconstructed
 from exact.scene import Scene
-from exact.visibility.coverage import Tally
+from exact.usable.information import variance
+from exact.visibility.coverage import Pieces, Tally, tally
 from exact.visibility.triangulated import triangulated
 
 if TYPE_CHECKING:  # drawing alone needs matplotlib
@@ -42,8 +48,7 @@ class Reconstruction:
     repairs: int
     _cameras: tuple[Camera, ...] = field(repr=False)
     _tally: Tally = field(repr=False)
-    _whole_met: np.ndarray = field(repr=False)
-    _piece_met: np.ndarray = field(repr=False)
+    _met: tuple[np.ndarray, Pieces] = field(repr=False)
 
     @property
     def threshold(self) -> int:
@@ -58,7 +63,8 @@ class Reconstruction:
     @property
     def weights(self) -> np.ndarray | None:
         """(F,) factor by which each face's area counts in `area` and `level_areas`; None counts each fully."""
-        return self.scene.weights
+        weights = self.scene.weights
+        return None if weights is None else self.scene.of_mesh(weights)
 
     @property
     def area(self) -> float:
@@ -86,7 +92,58 @@ class Reconstruction:
 
         return show.html(self)
 
-    def to_mesh(self, level: int | None = None) -> trimesh.Trimesh:
+    @cached_property
+    def errors(self) -> Errors:
+        """Predicted errors over the reconstructable area, from all cameras that see each point."""
+        predictor = self.demand.predictor(self._cameras, self.scene.surface)
+        whole, pieces = self._accurate
+        index = np.flatnonzero(whole)
+        return errors_over(predictor, index, self._all_views.whole_seen[index], pieces, self.scene.weights)
+
+    @property
+    def error_rms(self) -> float:
+        """Root of the mean square of the predicted errors over the area [mm]; nan where there is none.
+
+        Along depth or the normal, as `demand.error` says.
+        """
+        return self.errors.rms(self.demand.error)
+
+    def error_quantiles(self, shares: Sequence[float] = (0.05, 0.5, 0.95)) -> tuple[float, ...]:
+        """Predicted errors [mm] that these shares of the area do not exceed."""
+        return self.errors.quantiles(shares, self.demand.error)
+
+    def area_to(self, max_error: float) -> float:
+        """Area reconstructed to a predicted error of at most `max_error` [mm²], exact to 1e-6 of it.
+
+        Parameters
+        ----------
+        max_error : float
+            One standard deviation, along depth or the normal as `demand.error` says [mm].
+
+        Raises
+        ------
+        ExactError
+            If it is not positive.
+        """
+        most = max_error if self.demand.max_error is None else min(max_error, self.demand.max_error)
+        demand = replace(self.demand, max_error=most)
+        surface, criterion = self.scene.surface, demand.of(self._cameras, self.scene.surface)
+        met = reconstructed(surface, self.scene.counted, self._all_views, criterion)
+        return float(self.scene.worth(area_by_face(surface, *met)))
+
+    @cached_property
+    def _all_views(self) -> Tally:
+        """The surface cut where the set of cameras that see it changes."""
+        scene, criterion = self.scene, every_view(self.demand, self._cameras)
+        return tally(scene.surface, self._cameras, criterion, scene.counted, workers=1, lit=scene.lit)
+
+    @cached_property
+    def _accurate(self) -> tuple[np.ndarray, Pieces]:
+        """As `_met`, cut where the set of cameras changes."""
+        criterion = self.demand.of(self._cameras, self.scene.surface)
+        return reconstructed(self.scene.surface, self.scene.counted, self._all_views, criterion)
+
+    def to_mesh(self, level: int | None = None, errors: bool = False) -> trimesh.Trimesh:
         """Reconstructable part of the surface as a mesh; `face_attributes["parent"]` is the face of each triangle.
 
         Parameters
@@ -94,18 +151,36 @@ class Reconstruction:
         level : int, optional
             Give instead the part seen by exactly `level` cameras, 0 to `threshold`, where `threshold` stands for
             that many or more.
+        errors : bool
+            Cut it where the set of cameras changes, and give the predicted errors [mm] at the centre of each triangle
+            as `face_attributes["depth_error"]` and `["normal_error"]`; not together with `level`.
 
         Returns
         -------
         trimesh.Trimesh
             Open, oriented like the input; without faces if there is nothing to show.
         """
-        scene, tally = self.scene, self._tally
+        scene, seen = self.scene, self._tally
+        if errors:
+            if level is not None:
+                raise ExactError("errors are those of the reconstructable part; give either level or errors")
+            return self._mesh_with_errors()
         if level is None:
-            whole, pieces = self._whole_met, self._piece_met
+            whole, shown = self._met
         else:
-            whole = np.minimum(tally.whole_seen.sum(axis=1), self.threshold) == level
-            whole &= scene.counted & ~tally.is_cut & (scene.surface.areas > 0)
-            pieces = np.minimum(tally.pieces.seen.sum(axis=1), self.threshold) == level
-        shown = tally.pieces.take(pieces)
+            whole = np.minimum(seen.whole_seen.sum(axis=1), self.threshold) == level
+            whole &= scene.counted & ~seen.is_cut & (scene.surface.areas > 0)
+            shown = seen.pieces.take(np.minimum(seen.pieces.seen.sum(axis=1), self.threshold) == level)
         return triangulated(scene.mesh, np.flatnonzero(whole), shown.face, shown.polygon)[0]
+
+    def _mesh_with_errors(self) -> trimesh.Trimesh:
+        whole, pieces = self._accurate
+        index = np.flatnonzero(whole)
+        mesh, piece = triangulated(self.scene.mesh, index, pieces.face, pieces.polygon)
+        seen = np.concatenate([self._all_views.whole_seen[index], pieces.seen[piece]])
+        predictor, face = self.demand.predictor(self._cameras, self.scene.surface), mesh.face_attributes["parent"]
+        total = predictor.totals(np.asarray(mesh.triangles_center), seen)
+        for error in ("depth", "normal"):
+            found = np.sqrt(np.maximum(variance(total, predictor.directions(error, face)), 0.0))
+            mesh.face_attributes[f"{error}_error"] = found
+        return mesh

@@ -13,19 +13,21 @@ import shapely
 import trimesh
 
 from exact.cameras import Camera
-from exact.demand import Criterion
+from exact.demand import Criterion, Demand, every_view
+from exact.errors import ExactError
+from exact.predicted.reconstructed import area_by_face, reconstructed
 from exact.requests import (
+    ASKED,
+    checked,
     checked_cameras,
     checked_demand,
-    checked_scene,
     checked_workers,
     demand_keywords,
     refuse_unknown,
-    scene_keywords,
     shows,
 )
 from exact.scene import Scene
-from exact.visibility.coverage import Pieces, tally
+from exact.visibility.coverage import Pieces, Tally, tally
 from exact.visibility.triangulated import triangulated
 
 
@@ -41,14 +43,18 @@ class ViewSets:
         Area that exactly those cameras see [mm²], weighted if weights were given.
     repairs : int
         How often rounding made a step fail its own check so that it was done again in a robust way.
+    demand : Demand
+        With the limits and optics that views were counted with; what `area` asks for by default.
     """
 
     seen: np.ndarray
     areas: np.ndarray
     repairs: int
+    demand: Demand
     _scene: Scene = field(repr=False)
     _cameras: tuple[Camera, ...] = field(repr=False)
     _whole: np.ndarray = field(repr=False)
+    _whole_seen: np.ndarray = field(repr=False)
     _pieces: Pieces = field(repr=False)
     _set: np.ndarray = field(repr=False)
 
@@ -63,18 +69,47 @@ class ViewSets:
         far : (M, M) bool, optional
             Pairs of cameras of which at least one must see a point, instead of those that a baseline leaves.
         **asked
-            What counts: the keywords of `Demand`, or one as `demand`.
+            What counts: the keywords of `Demand`, or one as `demand`; by default what the sets were made for. Other
+            limits than theirs make other sets.
+
+        Raises
+        ------
+        ExactError
+            If limits or optics are others.
         """
-        return float(self.areas[self.met(**asked)].sum())
+        criterion, chosen = self._asked(asked)
+        if criterion.bound is None:
+            return float(self.areas[self.met(**asked)].sum())
+        surface, pieces = self._scene.surface, self._pieces
+        everything = np.zeros(len(surface.areas), dtype=bool)
+        everything[self._whole] = True
+        whole_seen = np.zeros((len(surface.areas), len(self._cameras)), dtype=bool)
+        whole_seen[self._whole] = self._whole_seen & chosen
+        seen = Tally(whole_seen, ~everything, Pieces(pieces.face, pieces.polygon, pieces.seen & chosen), 0)
+        met = reconstructed(surface, everything, seen, criterion)
+        return float(self._scene.worth(area_by_face(surface, *met)))
 
     @shows({"cameras": None, "far": None, **demand_keywords(), "demand": None})
     def met(self, **asked: Any) -> np.ndarray:
-        """(S,) bool: the sets of cameras that reconstruct what they see, arguments as for `area`."""
+        """(S,) bool: the sets of cameras that reconstruct what they see, arguments as for `area`.
+
+        If an error is bounded, it says which of them may: how accurately depends on the place too.
+        """
+        criterion, chosen = self._asked(asked)
+        return criterion.enough(self.seen & chosen)
+
+    def _asked(self, asked: dict[str, Any]) -> tuple[Criterion, np.ndarray]:
         refuse_unknown(asked, {"cameras", "far", *demand_keywords(), "demand"})
-        criterion, chosen = checked_demand(asked).of(self._cameras), asked.get("cameras")
+        of_demand = {name: value for name, value in asked.items() if name not in ("cameras", "far")}
+        given = {name: getattr(self.demand, name) for name in ("depth_axis", "limits", "optics")}
+        demand = checked_demand(of_demand if "demand" in asked else given | of_demand) if of_demand else self.demand
+        if demand.limits != self.demand.limits or (demand.limits.is_any and demand.optics != self.demand.optics):
+            raise ExactError("these sets of cameras were made with other limits; make new ones with those")
+        criterion, chosen = demand.of(self._cameras, self._scene.surface), asked.get("cameras")
         if asked.get("far") is not None:
             criterion = replace(criterion, far=np.asarray(asked["far"], dtype=bool))
-        return criterion.met(self.seen if chosen is None else self.seen & np.asarray(chosen, dtype=bool))
+        everyone = np.ones(len(self._cameras), dtype=bool)
+        return criterion, everyone if chosen is None else np.asarray(chosen, dtype=bool)
 
     def to_mesh(self) -> trimesh.Trimesh:
         """The counted surface, cut where the set of cameras changes.
@@ -91,7 +126,7 @@ class ViewSets:
         return mesh
 
 
-@shows(scene_keywords())
+@shows(ASKED)
 def view_sets(mesh: trimesh.Trimesh | Scene, cameras: Sequence[Camera], *, workers: int = 1, **asked: Any) -> ViewSets:
     """Divide the surface by the set of cameras that see it, exact up to float64 rounding.
 
@@ -104,7 +139,8 @@ def view_sets(mesh: trimesh.Trimesh | Scene, cameras: Sequence[Camera], *, worke
     cameras, workers
         As for `evaluate`.
     **asked
-        What of the mesh counts and how much: the keywords of `Scene`.
+        What counts, and on what, as for `evaluate`. Of what makes a point count only limits and optics matter to the
+        sets themselves; the rest is what their `area` asks for by default.
 
     Raises
     ------
@@ -121,12 +157,9 @@ def view_sets(mesh: trimesh.Trimesh | Scene, cameras: Sequence[Camera], *, worke
     >>> round(sets.area(threshold=2, cameras=[True, True, False]), 9)
     100.0
     """
-    refuse_unknown(asked, scene_keywords())
-    cameras, scene = checked_cameras(cameras), checked_scene(mesh, asked)
-    surface, counted = scene.surface, scene.counted
-    # One view more than there are: no part is ever finished.
-    criterion = Criterion(len(cameras) + 1, sets=True)
-    found = tally(surface, cameras, criterion, counted, checked_workers(workers))
+    scene, demand = checked(mesh, asked)
+    cameras, surface, counted = checked_cameras(cameras), scene.surface, scene.counted
+    found = tally(surface, cameras, every_view(demand, cameras), counted, checked_workers(workers), lit=scene.lit)
     whole = np.flatnonzero(counted & ~found.is_cut & (surface.areas > 0))
     face = np.concatenate([whole, found.pieces.face])
     area = surface.areas[face]
@@ -138,5 +171,6 @@ def view_sets(mesh: trimesh.Trimesh | Scene, cameras: Sequence[Camera], *, worke
     some = sets.any(axis=1)
     number = np.where(some, np.cumsum(some) - 1, -1)
     return ViewSets(
-        sets[some], areas[some], found.n_repairs, scene, cameras, whole, found.pieces, number[group.reshape(-1)]
-    )
+        sets[some], areas[some], found.n_repairs, demand, scene, cameras, whole, found.whole_seen[whole], found.pieces,
+        number[group.reshape(-1)],
+    )  # fmt: skip

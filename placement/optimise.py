@@ -12,6 +12,7 @@ from placement.progress import Progress
 from placement.proof.certificate import Certificate
 from placement.recommend import Recommendation, refuse_target
 from placement.results import Placement
+from placement.search.proposal import GIVE_UP
 from placement.sites import Surfaces
 
 # What a `Problem` takes beside meshes and ring, with its defaults.
@@ -26,6 +27,7 @@ def optimise(
     *,
     constraints: Constraints | None = None,
     certify: bool = True,
+    give_up: float = GIVE_UP,
     progress: Progress | None = None,
     **about: Any,
 ) -> Placement:
@@ -42,6 +44,9 @@ def optimise(
     certify : bool
         Also bound what any layout could reconstruct (`Placement.certificate`), within
         `settings.certificate_seconds`; a better layout found on the way is taken.
+    give_up : float
+        Coverage that may be given up for accuracy, as a fraction of the ring maximum: of layouts within so much of the
+        greatest exact area found the one with the least error is proposed. 0 proposes the one with the greatest area.
     settings, seed, site_weights, objective, workers, exclude, face_weights, threshold, min_baseline, demand
         See `Problem`. The same request with the same seed gives the same layout, bit for bit, unless the certificate
         runs out of time: which layouts it knows then depends on how fast the machine is.
@@ -49,7 +54,8 @@ def optimise(
     Returns
     -------
     Placement
-        Never worse than the best equidistant layout tried that meets the constraints.
+        `most_area` is never worse than the best equidistant layout tried that meets the constraints, and the layout
+        proposed at most by `give_up`.
 
     Raises
     ------
@@ -69,7 +75,7 @@ def optimise(
     """
     _refuse_beforehand(ring, n_cameras, constraints, about)
     return Problem(mesh, ring, progress=progress, **about).optimise(
-        n_cameras, constraints, certify=certify, progress=progress
+        n_cameras, constraints, certify=certify, give_up=give_up, progress=progress
     )
 
 

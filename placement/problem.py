@@ -10,7 +10,7 @@ from exact.requests import checked_demand, demand_keywords, refuse_unknown, show
 from exact.workers import available_cores
 from placement.errors import refusing
 from placement.layouts.arcs import LayoutSpace
-from placement.layouts.constraints import Constraints, checked_seed, demanded
+from placement.layouts.constraints import Constraints, checked_seed, demanded, on_ring
 from placement.progress import Progress, nothing
 from placement.proof.certificate import Certificate
 from placement.recommend import Recommendation, recommend, refuse_target
@@ -18,7 +18,7 @@ from placement.results import Placement
 from placement.samples.profiles import RingProfiles
 from placement.samples.sampled_coverage import SampledCoverage
 from placement.samples.sampled_site import sample_site
-from placement.search.proposal import bound, propose
+from placement.search.proposal import GIVE_UP, bound, propose
 from placement.search.ring_maximum import Memory, RingMaximum
 from placement.search.scoring import ExactScorer
 from placement.settings import Settings
@@ -94,7 +94,7 @@ class Problem:
         seed = checked_seed(seed)
         report = progress or nothing
         with refusing():
-            self.demand = checked_demand(asked)
+            self.demand = on_ring(checked_demand(asked), ring)
         of_scenes = {name: asked.get(name) for name in scene_keywords()}
         self.sites: Sites = checked_sites(mesh, site_weights=site_weights, objective=objective, **of_scenes)
         self.ring, self.seed = ring, seed
@@ -144,6 +144,7 @@ class Problem:
         constraints: Constraints | None = None,
         *,
         certify: bool = True,
+        give_up: float = GIVE_UP,
         progress: Progress | None = None,
     ) -> Placement:
         """Find where `n_cameras` cameras reconstruct the most; as `placement.optimise`.
@@ -157,7 +158,7 @@ class Problem:
         >>> [len(problem.optimise(n, certify=False).angles) for n in (2, 3)]
         [2, 3]
         """
-        return propose(self, self._space(n_cameras, constraints), certify, progress)
+        return propose(self, self._space(n_cameras, constraints), certify, progress, give_up)
 
     def certify(self, n_cameras: int = 4, constraints: Constraints | None = None, *, layout=None) -> Certificate:
         """Bound what any layout of `n_cameras` cameras can reconstruct; as `placement.certify`."""
@@ -192,4 +193,5 @@ def _joined(parts, sites: Sites) -> RingProfiles:
         np.concatenate([profiles.weights for profiles in scaled]),
         np.concatenate([np.full(len(profiles.weights), i * worst) for i, profiles in enumerate(scaled)]),
         np.concatenate([profiles.parts for profiles in scaled], axis=1),
+        np.concatenate([profiles.noise for profiles in scaled]),
     )

@@ -122,7 +122,7 @@ def recommend(
         found = None
         if refusal is None:
             try:
-                found = problem.optimise(n, constraints, certify=certify, progress=numbered(progress, n))
+                found = problem.optimise(n, constraints, certify=certify, give_up=0.0, progress=numbered(progress, n))
             except PlacementError as error:  # as many do not fit, nor do more
                 refusal = error
                 if not counts:

@@ -27,7 +27,7 @@ class Candidate:
     angles : tuple of float
         Ring angles [rad], increasing in [0, 2 pi).
     origin : str
-        "equidistant", "search", "certificate" or "polish": where it comes from.
+        "equidistant", "search", "accuracy", "certificate" or "polish": where it comes from.
     soft_coverage : float
         What the optimiser sees at its last temperature, as a fraction of the sampled ring maximum.
     sampled_fraction : float
@@ -123,24 +123,28 @@ class Placement:
     Attributes
     ----------
     angles : (M,) tuple of float
-        Ring angles of the best layout found [rad], increasing in [0, 2 pi).
+        Ring angles of the layout proposed [rad], increasing in [0, 2 pi): of those that give up no more than
+        `give_up` of the greatest area found, the one with the least error.
     fraction : float
         Exact area over ring maximum; of several sites the mean, or the worst, as `objective` says.
     equidistant_fraction : float
         The same for the equidistant layout at phase 0.
     best_equidistant_fraction, best_equidistant_phase : float
         The same for the best equidistant layout tried, and its phase [rad], whether or not it meets the constraints.
+    error_rms, most_area_error_rms, equidistant_error_rms, best_equidistant_error_rms : float
+        Root mean square of the predicted errors [mm], along depth or the normal as `demand.error` says, over all that
+        the layout proposed, `most_area`, and the two equidistant ones reconstruct; infinite where single cameras count.
     sites : (S,) tuple of SiteResult
         Exact areas site by site.
     objective : "mean" or "worst"
         Over several sites.
     candidates : tuple of Candidate
-        All layouts scored exactly that meet the constraints, best first; `candidates[0].angles` is `angles`.
+        All layouts scored exactly that meet the constraints, the one with the greatest area first.
     certificate : Certificate or None
         Bound for any layout; None if it was not asked for.
     search : SearchRecord
         Starts, failures, evaluations, times.
-    ring, n_cameras, demand, constraints, settings, seed, versions
+    ring, n_cameras, demand, give_up, constraints, settings, seed, versions
         The request and the libraries: all that is needed to repeat it, with the meshes of `sites`. `demand` is what
         made a point count, with the baseline that the constraints ask for.
     """
@@ -150,6 +154,10 @@ class Placement:
     equidistant_fraction: float
     best_equidistant_fraction: float
     best_equidistant_phase: float
+    error_rms: float
+    most_area_error_rms: float
+    equidistant_error_rms: float
+    best_equidistant_error_rms: float
     sites: tuple[SiteResult, ...]
     objective: Objective
     candidates: tuple[Candidate, ...]
@@ -158,6 +166,7 @@ class Placement:
     ring: exact.Ring
     n_cameras: int
     demand: exact.Demand
+    give_up: float
     constraints: Constraints
     settings: Settings
     seed: int
@@ -172,6 +181,11 @@ class Placement:
     def area(self) -> float:
         """Exact reconstructable area [mm²]; of several sites the sum."""
         return sum(site.area for site in self.sites)
+
+    @property
+    def most_area(self) -> Candidate:
+        """The layout with the greatest exact area found, whatever its error."""
+        return self.candidates[0]
 
     @property
     def equidistant_area(self) -> float:

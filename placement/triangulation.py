@@ -11,7 +11,8 @@ import exact
 from exact.requests import ASKED, checked, shows
 from placement.errors import refusing
 from placement.samples.profiles import Visibility
-from placement.samples.sampled_site import faces_towards, in_view
+from placement.samples.sampled_coverage import samples_met
+from placement.samples.sampled_site import faces_towards, in_view, noise_of
 from placement.samples.sampling import sample_surface
 
 
@@ -115,14 +116,16 @@ def triangulation(
     theta = np.asarray(angles, dtype=np.float64)
     smallest = float(np.min(separations[~np.eye(len(theta), dtype=bool)], initial=np.inf))
     nothing = Triangulation(smallest, 0.0, 0.0, np.zeros(0), np.zeros(0))
-    ignored = ~scene.counted | ~faces_towards(scene.mesh, ring)
+    ignored = ~scene.counted | ~faces_towards(scene.everything, ring)
     if ignored.all():
         return nothing
-    samples = sample_surface(scene.mesh, n_samples, ignored, seed, lambda corners: in_view(corners, ring))
+    samples = sample_surface(scene.everything, n_samples, ignored, seed, lambda corners: in_view(corners, ring))
     if len(samples) == 0:
         return nothing
-    seen = Visibility(scene.mesh).from_angles(samples, ring, theta)
-    reconstructed = demand.of(ring.cameras(theta)).met(seen.T)
+    visibility = Visibility(scene.everything, demand)
+    samples = samples.subset(visibility.lit(samples, scene.lights))
+    seen = visibility.from_angles(samples, ring, theta)
+    reconstructed = samples_met(seen, theta, demand, ring, noise_of(samples, ring, demand))
     if scene.weights is not None:
         samples = replace(samples, weights=samples.weights * scene.weights[samples.faces])
         reconstructed &= samples.weights > 0

@@ -17,6 +17,7 @@ import shapely
 from exact.cameras import Camera
 from exact.demand import Criterion
 from exact.visibility.clipping import cut_pieces, unite, whole_faces
+from exact.visibility.limits import Usable
 from exact.visibility.occlusion import CUT, WHOLE, Sight, look
 from exact.visibility.projection import project
 from exact.visibility.surface import Surface
@@ -100,11 +101,20 @@ class Count:
     n_repairs: int
 
     @staticmethod
-    def start(active: np.ndarray, n_cameras: int) -> "Count":
-        """No camera has been added yet."""
+    def start(active: np.ndarray, n_cameras: int, lit: Tally | None = None) -> "Count":
+        """No camera has been added yet. With `lit`, what is not lit is done with: no view of it counts."""
         none = Pieces(np.zeros(0, dtype=int), np.zeros(0, dtype=object), np.zeros((0, n_cameras), dtype=bool))
         seen = np.zeros((len(active), n_cameras), dtype=bool)
-        return Count(active, seen, np.zeros(len(active), dtype=bool), none, (none,), 0)
+        if lit is None:
+            return Count(active, seen, np.zeros(len(active), dtype=bool), none, (none,), 0)
+        is_cut = active & lit.is_cut
+        parts = lit.pieces.take(is_cut[lit.pieces.face])
+        bright = np.asarray(parts.seen.any(axis=1))
+        unseen = np.zeros((len(parts.face), n_cameras), dtype=bool)
+        waiting, dark = (Pieces(parts.face, parts.polygon, unseen).take(chosen) for chosen in (bright, ~bright))
+        active = active & ~lit.is_cut & lit.whole_seen.any(axis=1)
+        active[waiting.face] = True
+        return Count(active, seen, is_cut, waiting, (dark,), 0)
 
     def tally(self) -> Tally:
         """What has been counted."""
@@ -131,15 +141,19 @@ def tally(
     workers: int,
     report: Callable[[int], object] | None = None,
     depth_order: str = "exact",
+    lit: Tally | None = None,
 ) -> Tally:
-    """Count the views of every part of the `active` faces, (F,) bool, until it meets `criterion`."""
+    """Count the views of every part of the `active` faces, (F,) bool, until it meets `criterion`.
+
+    Of parts that are not `lit`, where that matters, no view counts.
+    """
     active = active & (surface.areas > 0)
     _ = surface.solid  # found once, not by every worker
     if workers == 1 or active.sum() < workers:
-        return _tally(surface, cameras, criterion, active, depth_order, report)
+        return _tally(surface, cameras, criterion, active, depth_order, lit, report)
     parts = shares(surface, cameras[0], active, workers)
     with processes(workers) as executor:
-        futures = [executor.submit(_tally, surface, cameras, criterion, part, depth_order) for part in parts]
+        futures = [executor.submit(_tally, surface, cameras, criterion, part, depth_order, lit) for part in parts]
         for done, _ in enumerate(as_completed(futures)):
             if report is not None:
                 report(len(cameras) * (done + 1) // workers - len(cameras) * done // workers)
@@ -158,9 +172,10 @@ def _tally(
     criterion: Criterion,
     active: np.ndarray,
     depth_order: str,
+    lit: Tally | None,
     report: Callable[[int], object] | None = None,
 ) -> Tally:
-    count = Count.start(active, len(cameras))
+    count = Count.start(active, len(cameras), lit)
     coming = np.ones(len(cameras), dtype=bool)
     for block in np.split(spread_order(cameras), range(BLOCK, len(cameras), BLOCK)):
         coming[block] = False
@@ -202,12 +217,14 @@ def add_views(
     active, whole_seen, is_cut = count.active, count.whole_seen.copy(), count.is_cut.copy()
     sights: list[Sight] = []
     for i in block:
-        sights.append(look(project(surface, cameras[i]), active, depth_order))
+        image = project(surface, cameras[i])
+        usable = Usable(image, criterion.limits, criterion.optics) if criterion.limits.is_any else None
+        sights.append(look(image, active, depth_order, usable))
         # Faces that need no further view are not asked about again.
         whole = np.flatnonzero(active & ~is_cut)
         whole_seen[whole, i] = sights[-1].status[whole] == WHOLE
         active = active.copy()
-        active[whole] = ~criterion.met(whole_seen[whole])
+        active[whole] = ~criterion.met(whole_seen[whole], whole)
     n_repairs = count.n_repairs + sum(sight.n_repairs for sight in sights)
     status = np.stack([sight.status for sight in sights], axis=1)
     new = np.flatnonzero(active & ~is_cut & (status == CUT).any(axis=1))
@@ -223,7 +240,7 @@ def add_views(
 def _refine(pieces: Pieces, sights: list[Sight], status, block: np.ndarray, criterion: Criterion, coming: np.ndarray):
     """Cut pieces along what each camera of a block sees of them; finished pieces, the others, number of repairs."""
     pieces.seen[:, block] = status[pieces.face] == WHOLE
-    met = criterion.met(pieces.seen)
+    met = criterion.met(pieces.seen, pieces.face)
     done, pieces, n_repairs = [pieces.take(met)], pieces.take(~met), 0
     coming = coming.copy()
     coming[block] = True
@@ -236,7 +253,7 @@ def _refine(pieces: Pieces, sights: list[Sight], status, block: np.ndarray, crit
         origin, cell, repairs = cut_pieces(cut.face, cut.polygon, sights[k].cuts, sights[k].on_grid[cut.face])
         n_repairs += repairs
         inner = shapely.get_coordinates(shapely.point_on_surface(cell))
-        answer = sights[k].screen.sees(cut.face[origin], inner)
+        answer = sights[k].sees(cut.face[origin], inner)
         # A piece all of whose cells got the same answer need not be cut.
         n_cells, n_seen = np.bincount(origin, minlength=len(cut.face)), np.bincount(origin, answer, len(cut.face))
         divided = (n_seen > 0) & (n_seen < n_cells)
@@ -245,7 +262,7 @@ def _refine(pieces: Pieces, sights: list[Sight], status, block: np.ndarray, crit
         cells = Pieces(cut.face[origin[of_divided]], cell[of_divided], cut.seen[origin[of_divided]])
         cells.seen[:, camera] = answer[of_divided]
         cut = cut.take(~divided)
-        met, cells_met = criterion.met(cut.seen), criterion.met(cells.seen)
+        met, cells_met = criterion.met(cut.seen, cut.face), criterion.met(cells.seen, cells.face)
         done += [cut.take(met), cells.take(cells_met)]
         cells = cells.take(~cells_met)
         if coming.any():

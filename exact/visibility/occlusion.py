@@ -16,6 +16,7 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from exact.visibility.limits import Usable
 from exact.visibility.projection import Image
 from exact.visibility.screen import Screen, counting
 from exact.visibility.silhouettes import Cuts, crossings
@@ -42,6 +43,8 @@ class Sight:
         Faces whose segments may continue each other with ends that are equal only up to rounding.
     n_repairs : int
         Patches whose faces did not agree and were asked one by one.
+    usable : Usable or None
+        What limits leave of its views.
     """
 
     screen: Screen
@@ -49,16 +52,35 @@ class Sight:
     cuts: Cuts
     on_grid: np.ndarray
     n_repairs: int
+    usable: Usable | None = None
+
+    def sees(self, face: np.ndarray, inner: np.ndarray) -> np.ndarray:
+        """(N,) whether the camera sees points given by face and face coordinates (N, 2), and its view is usable."""
+        seen = self.screen.sees(face, inner)
+        if self.usable is not None:
+            seen[seen] = self.usable.sees(face[seen], inner[seen])
+        return seen
 
 
-def look(image: Image, active: np.ndarray, depth_order: str = "exact") -> Sight:
-    """What the camera of `image` sees of the `active` faces, (F,) bool; all others count as hidden."""
+def look(image: Image, active: np.ndarray, depth_order: str = "exact", usable: Usable | None = None) -> Sight:
+    """What the camera of `image` sees of the `active` faces, (F,) bool; all others count as hidden.
+
+    With `usable`, what it sees in a usable way.
+    """
+    borders = []
+    if usable is not None:
+        face = np.flatnonzero(active & image.front)
+        whole, part, cuts = usable.whole_or_cuts(face)
+        active = np.zeros_like(active)
+        active[face[whole | part]] = True
+        borders.append(cuts)
     screen = Screen.of(image, active, depth_order)
     asked = (active & image.front)[screen.parent]
     status = np.zeros(len(image.front), dtype=np.int8)
     status[screen.parent[asked]] = WHOLE  # until something is found to cut or to hide it
     own = image.surface.intersections
-    cuts = Cuts.joined([crossings(screen, asked), Cuts(own.face, own.start, own.end).of_faces(status == WHOLE)])
+    own_cuts = Cuts(own.face, own.start, own.end)
+    cuts = Cuts.joined([crossings(screen, asked), *(some.of_faces(status == WHOLE) for some in (own_cuts, *borders))])
     status[cuts.face] = CUT
     uncut = np.flatnonzero(status == WHOLE)
     seen, n_repairs = _patches_seen(screen, uncut)
@@ -66,7 +88,7 @@ def look(image: Image, active: np.ndarray, depth_order: str = "exact") -> Sight:
     on_grid = np.zeros(len(status), dtype=bool)
     on_grid[own.face] = True
     on_grid[image.parent[image.is_part]] = True
-    return Sight(screen, status, cuts, on_grid, n_repairs)
+    return Sight(screen, status, cuts, on_grid, n_repairs, usable)
 
 
 def _patches_seen(screen: Screen, uncut: np.ndarray):

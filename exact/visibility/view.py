@@ -1,15 +1,19 @@
 """What one camera sees."""
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 import shapely
 import trimesh
 
 from exact.cameras import Camera
-from exact.demand import Criterion
-from exact.requests import checked_cameras, checked_scene
+from exact.demand import Demand
+from exact.requests import checked_cameras, checked_scene, refuse_unknown, scene_keywords, shows
 from exact.scene import Scene
+from exact.usable.limits import Limits
+from exact.usable.optics import Optics
+from exact.visibility import light
 from exact.visibility.clipping import unite, whole_faces
 from exact.visibility.coverage import tally
 from exact.visibility.projection import image_polygons
@@ -58,7 +62,8 @@ class View:
         return triangulated(self._mesh, *self._parts)[0]
 
 
-def view(mesh: trimesh.Trimesh | Scene, camera: Camera) -> View:
+@shows({**scene_keywords(), "limits": Limits(), "optics": Optics()})
+def view(mesh: trimesh.Trimesh | Scene, camera: Camera, **asked: Any) -> View:
     """What `camera` sees of `mesh`, exactly.
 
     Parameters
@@ -66,6 +71,10 @@ def view(mesh: trimesh.Trimesh | Scene, camera: Camera) -> View:
     mesh : trimesh.Trimesh or Scene
         See `evaluate` for what is seen. Faces that do not count are part of it.
     camera : Camera
+    limits, optics
+        What makes its views usable: see `Demand`.
+    **asked
+        The keywords of `Scene`.
 
     Returns
     -------
@@ -81,10 +90,19 @@ def view(mesh: trimesh.Trimesh | Scene, camera: Camera) -> View:
     >>> view(plate, Camera.look_at((0, 0, -400), (0, 0, 0), up=(0, 1, 0))).area  # from behind
     0.0
     """
-    scene = checked_scene(mesh, {})
-    surface = scene.surface
+    refuse_unknown(asked, {*scene_keywords(), "limits", "optics"})
+    scene = checked_scene(mesh, asked)
+    demand = Demand(1, **{name: asked[name] for name in ("limits", "optics") if name in asked})
+    return view_of(scene, camera, demand, lit=True)
+
+
+def view_of(scene: Scene, camera: Camera, demand: Demand | None = None, lit: bool = False) -> View:
+    """As `view`; whether or not it is usable and lit unless that is asked for."""
+    surface, (camera,) = scene.surface, checked_cameras([camera])
     every_face = np.ones(len(surface.faces), dtype=bool)
-    seen = tally(surface, checked_cameras([camera]), Criterion(1), every_face, workers=1)
+    criterion = (Demand(1) if demand is None else demand).of([camera], surface)
+    bright = light.lit(surface, scene.lights, every_face) if lit and scene.lights else None
+    seen = tally(surface, [camera], criterion, every_face, workers=1, lit=bright)
     whole = seen.whole_seen[:, 0] & ~seen.is_cut
     visible = seen.pieces.seen[:, 0]
     face, first = np.unique(seen.pieces.face[visible], return_index=True)
@@ -97,4 +115,4 @@ def view(mesh: trimesh.Trimesh | Scene, camera: Camera) -> View:
     shown = np.flatnonzero(whole)
     polygons[shown] = image_polygons(surface, camera, shown, whole_faces(len(shown)))
     polygons[face] = image_polygons(surface, camera, face, piece)
-    return View(camera, areas, polygons, seen.n_repairs + repairs, scene.mesh, (shown, face, piece))
+    return View(camera, areas, polygons, seen.n_repairs + repairs, scene.everything, (shown, face, piece))

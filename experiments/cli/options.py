@@ -12,7 +12,7 @@ from typing import Annotated, Any
 
 import typer
 
-from experiments.request.options import ON_THE_COMMAND_LINE, Option, keys
+from experiments.request.options import ON_THE_COMMAND_LINE, PARTS, Option, keys
 
 # Names for the shell to complete; here once more, since where they come from imports what `--help` must not wait for.
 SITES = (
@@ -68,10 +68,10 @@ Force = Annotated[bool, typer.Option("--force", help="replace results that are a
 Given = dict[str, Any]
 # Settings that several subcommands take, by the names of their keys, and of classes for all their fields.
 RING = ("fov", "diameter", "working_distance", "focus")
-MESH = ("exclude", "repair", "scale")
+MESH = ("exclude", "repair", "scale", "obstacle", "light")
 REQUEST = (
     "Demand", "Constraints", *RING, "exclude", "objective", "site_weights", "falloff_mm", "jitter", "tilt_deg",
-    "shift_mm", "seed", "certify", "repair", "scale",
+    "shift_mm", "seed", "certify", "repair", "scale", "obstacle", "light",
 )  # fmt: skip
 
 
@@ -110,7 +110,8 @@ class Asking:
 
     def _settings(self) -> list[Option]:
         known, found = keys(*ON_THE_COMMAND_LINE), {}
-        for name in self.wanted:
+        wanted = [part for name in self.wanted for part in (name, *PARTS.get(name, {}).values())]
+        for name in wanted:
             found |= {one.name: one for one in known.values() if name in (one.name, *one.classes)}
         return list(found.values())
 

@@ -1,5 +1,7 @@
 """What a dataclass declares: names, types, defaults and words of its fields.
 
+A field that is a dataclass itself is left out: its own fields are declared there.
+
 The help of the command line shows them and must not wait for numpy. So they are read from the source of a module that
 is not imported yet; of one that is, from the class that it holds now.
 """
@@ -74,7 +76,7 @@ def _of_class(kind: type) -> tuple[Declared, ...]:
             words.get(field.name, ""),
         )
         for field in dataclasses.fields(kind)
-        if field.init
+        if field.init and not dataclasses.is_dataclass(field.default)
     )
 
 
@@ -95,6 +97,8 @@ def _of_source(module: str, name: str) -> tuple[Declared, ...] | None:
     words, found = parameters(ast.get_docstring(kind) or ""), []
     for one in kind.body:
         if not isinstance(one, ast.AnnAssign) or not isinstance(one.target, ast.Name) or one.target.id.startswith("_"):
+            continue
+        if isinstance(one.value, ast.Call) and ast.unparse(one.value) == f"{ast.unparse(one.annotation)}()":
             continue
         try:
             default = None if one.value is None else ast.literal_eval(one.value)

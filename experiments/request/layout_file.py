@@ -2,7 +2,7 @@
 
 import difflib
 import json
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -29,10 +29,13 @@ RING = {field.name: f"{field.name}_mm" if "[mm]" in field.words else field.name 
 # All that any command has written into a layout file; another field is a slip of whoever edited it.
 FIELDS = (
     "format", "version", "ring", "n_cameras", "threshold", "demand", "angles_deg", "angles_rad",
-    "best_equidistant_phase_deg", "areas_mm2", "fractions_of_ring_maximum", "smallest_separation_mm", "mesh", "meshes",
+    "best_equidistant_phase_deg", "areas_mm2", "fractions_of_ring_maximum", "rms_errors_mm", "give_up", "most_area",
+    "obstacles", "lights", "smallest_separation_mm", "mesh", "meshes",
     "objective", "poses",
     "falloff_mm", "constraints", "certificate", "settings", "seed", "versions", "robustness",
 )  # fmt: skip
+# What of a demand has fields of its own.
+PARTS = {"limits": exact.Limits, "optics": exact.Optics}
 # Angles in degrees and in radians that differ by more than this [rad] were not meant to be the same.
 SAME_ANGLE = 1e-6
 
@@ -85,6 +88,12 @@ def placement_content(found: "placement.Placement", asked: "Request") -> dict[st
     names = ("optimised", "equidistant", "best_equidistant", "ring_maximum")
     areas = (found.area, found.equidistant_area, found.best_equidistant_area, found.ring_area)
     fractions = (found.fraction, found.equidistant_fraction, found.best_equidistant_fraction, 1.0)
+    errors = {
+        "optimised": found.error_rms,
+        "equidistant": found.equidistant_error_rms,
+        "best_equidistant": found.best_equidistant_error_rms,
+        "most_area": found.most_area_error_rms,
+    }
     return {
         "format": FORMAT,
         "version": VERSION,
@@ -97,6 +106,16 @@ def placement_content(found: "placement.Placement", asked: "Request") -> dict[st
         "best_equidistant_phase_deg": float(np.degrees(found.best_equidistant_phase)),
         "areas_mm2": {name: area / n_poses for name, area in zip(names, areas, strict=True)},
         "fractions_of_ring_maximum": dict(zip(names, fractions, strict=True)),
+        "rms_errors_mm": {name: value if np.isfinite(value) else None for name, value in errors.items()},
+        "give_up": found.give_up,
+        "most_area": {
+            "angles_deg": np.degrees(found.most_area.angles).tolist(),
+            "angles_rad": list(found.most_area.angles),
+            "area_mm2": found.most_area.area / n_poses,
+            "fraction_of_ring_maximum": found.most_area.fraction,
+        },
+        "obstacles": [fingerprint(one) for one in asked.poses[0].scene.obstacles],
+        "lights": [list(light) for light in asked.poses[0].scene.lights],
         "smallest_separation_mm": found.smallest_separation if found.n_cameras > 1 else None,
         "mesh": {"name": asked.subjects[0].name, "sha256": first.mesh_hash, "excluded": asked.excluded[0].words,
                  "n_excluded_faces": first.n_excluded, "scale": 1.0 if asked.subjects[0].is_site else asked.rig.scale},
@@ -200,9 +219,18 @@ def _demand(content: dict[str, Any], ring: exact.Ring, n_cameras: int) -> exact.
         raise InputError(f'"demand" is {str(given)[:80]}; it must give some of {", ".join(known)}')
     if "threshold" in content and given.get("threshold", threshold) != threshold:
         raise InputError(f'"threshold" is {threshold} and in "demand" {given["threshold"]!r}; leave one of them out')
-    demand = checked_demand({"threshold": threshold} | given)
+    parts = {name: _part(kind, given[name]) for name, kind in PARTS.items() if name in given}
+    demand = checked_demand({"threshold": threshold} | given | parts)
     demand.refuse_fewer(n_cameras)
     return replace(demand, min_baseline=max(demand.min_baseline, _baseline(content, ring)))
+
+
+def _part(kind: type, given: Any) -> Any:
+    """The limits or optics of a demand."""
+    known = tuple(field.name for field in fields(kind))
+    if not isinstance(given, dict) or not set(given) <= set(known):
+        raise InputError(f'"{kind.__name__.lower()}" is {str(given)[:80]}; it must give some of {", ".join(known)}')
+    return kind(**given)
 
 
 def _baseline(content: dict[str, Any], ring: exact.Ring) -> float:

@@ -6,7 +6,16 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
-from experiments.request.option_text import parse_angles, parse_arcs, parse_fov, parse_vector, parse_weights
+from experiments.request.option_text import (
+    parse_angles,
+    parse_arcs,
+    parse_fov,
+    parse_pixels,
+    parse_points,
+    parse_range,
+    parse_vector,
+    parse_weights,
+)
 
 
 @dataclass(frozen=True)
@@ -58,6 +67,12 @@ def _numbers(value, length: int | None = None) -> tuple[float, ...]:
     return numbers
 
 
+def _pair(value) -> list:
+    if len(_instance_of(list)(value)) != 2:
+        raise ValueError
+    return value
+
+
 NUMBER = Kind("a number", "5.0", _number, float)
 WHOLE = Kind("a whole number", "4", _instance_of(int), int)
 FLAG = Kind("true or false", "true", _instance_of(bool), bool)
@@ -85,6 +100,34 @@ ARCS = Kind(
     from_words=parse_arcs,
     written="written start:end, as in 60:90,200:230",
 )
+PIXELS = Kind(
+    "a list of two whole numbers",
+    "[3600, 2400]",
+    lambda value: tuple(_instance_of(int)(one) for one in _pair(value)),
+    from_words=parse_pixels,
+    written="written width x height, as in 3600x2400",
+)
+RANGE = Kind(
+    "a list of two numbers",
+    "[380.0, 420.0]",
+    lambda value: _numbers(value, 2),
+    from_words=parse_range,
+    written="written near:far, as in 380:420",
+)
+POINTS = Kind(
+    "a list of [x, y, z]",
+    "[[0.0, 0.0, 400.0]]",
+    lambda value: tuple(_numbers(point, 3) for point in _instance_of(list)(value)),
+    from_words=parse_points,
+    written="written x,y,z, several separated by semicolons",
+)
+FILES = Kind(
+    "a list of texts in quotes",
+    '["instrument.stl"]',
+    lambda value: tuple(_instance_of(str)(one) for one in _instance_of(list)(value)),
+    from_words=lambda text, option: tuple(part.strip() for part in text.split(",")),
+    written="several separated by commas",
+)
 # A field of a dataclass with this type, as it is written there, is of this kind.
 OF_TYPE = {
     "int": WHOLE,
@@ -93,6 +136,7 @@ OF_TYPE = {
     "str": WORD,
     "tuple[float, ...]": NUMBERS,
     "tuple[float, float]": SIZE,
+    "tuple[int, int]": PIXELS,
     "tuple[float, float, float]": VECTOR,
     "tuple[tuple[float, float], ...]": ARCS,
 }

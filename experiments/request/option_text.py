@@ -122,3 +122,60 @@ def parse_arcs(text: str, option: str = "--forbidden-deg") -> tuple[tuple[float,
             )
         arcs.append((start, end))
     return tuple(arcs)
+
+
+def parse_pixels(text: str, option: str = "--pixels") -> tuple[int, int]:
+    """Width x height in pixels.
+
+    Raises
+    ------
+    InputError
+        If it is something else, or one of them is 0.
+
+    Examples
+    --------
+    >>> parse_pixels("3600x2400")
+    (3600, 2400)
+    """
+    match = re.fullmatch(r"\s*0*([1-9][0-9]{0,8})\s*[x×]\s*0*([1-9][0-9]{0,8})\s*", text)
+    if match is None:
+        raise InputError(f"{option} is {text[:40]!r}; it must be width x height in pixels, as in 3600x2400")
+    return int(match[1]), int(match[2])
+
+
+def parse_range(text: str, option: str = "--depth-of-field") -> tuple[float, float]:
+    """Two numbers separated by a colon.
+
+    Raises
+    ------
+    InputError
+        If it is something else.
+
+    Examples
+    --------
+    >>> parse_range("380:420.5")
+    (380.0, 420.5)
+    """
+    try:
+        near, far = (float(part) for part in text.split(":"))
+    except ValueError as error:
+        raise InputError(
+            f"{option} is {text[:40]!r}; it must be two numbers in millimetres, near:far, as in 380:420"
+        ) from error
+    return near, far
+
+
+def parse_points(text: str, option: str = "--light") -> tuple[tuple[float, float, float], ...]:
+    """Points, each written x,y,z, separated by semicolons.
+
+    Raises
+    ------
+    InputError
+        If one of them is not three finite numbers.
+
+    Examples
+    --------
+    >>> parse_points("0,0,400; 10,0,390")
+    ((0.0, 0.0, 400.0), (10.0, 0.0, 390.0))
+    """
+    return tuple(parse_vector(part, option) for part in text.split(";"))

@@ -1,8 +1,9 @@
 """Every setting of a request: its name, kind, default, unit, meaning and completion, each said once.
 
 The options of the command line, the keys of a rig file, the file that `camring rig init` writes and the pages of the
-documentation come from here. A field of `exact.Ring`, `exact.Demand`, `placement.Constraints` or `placement.Settings`
-is described by the class that declares it, and comes by itself; what is no such field stands in `BESIDE_CLASSES`.
+documentation come from here. A field of `exact.Ring`, `exact.Demand` and its parts, `placement.Constraints` or
+`placement.Settings` is described by the class that declares it, and comes by itself; what is no such field stands in
+`BESIDE_CLASSES`.
 """
 
 import math
@@ -10,21 +11,28 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from experiments.request.declared_fields import Declared, declared
-from experiments.request.option_kinds import FLAG, NUMBER, WEIGHTS, WHOLE, WORD, Kind, of_type
+from experiments.request.option_kinds import FILES, FLAG, NUMBER, POINTS, RANGE, WEIGHTS, WHOLE, WORD, Kind, of_type
 
 # Sections of a rig file, as they follow each other in it.
-SECTIONS = ("ring", "cameras", "demand", "constraints", "search", "mesh", "sites", "poses")
+SECTIONS = ("ring", "cameras", "optics", "demand", "limits", "constraints", "search", "mesh", "sites", "poses")
 # Where each class is declared: module and name.
 CLASSES = {
     "Ring": ("exact.ring", "Ring"),
     "Constraints": ("placement.layouts.constraints", "Constraints"),
     "Demand": ("exact.demand", "Demand"),
+    "Limits": ("exact.usable.limits", "Limits"),
+    "Optics": ("exact.usable.optics", "Optics"),
     "Settings": ("placement.settings", "Settings"),
 }
 # The section of their fields.
-SECTION_OF = {"Ring": "ring", "Constraints": "constraints", "Demand": "demand", "Settings": "search"}
+SECTION_OF = {
+    "Ring": "ring", "Constraints": "constraints", "Demand": "demand", "Limits": "limits", "Optics": "optics",
+    "Settings": "search",
+}  # fmt: skip
+# What the fields of a class are that are classes themselves, by name.
+PARTS = {"Demand": {"limits": "Limits", "optics": "Optics"}}
 # Those whose fields may be options; the numbers of the search may be changed in a rig file alone.
-ON_THE_COMMAND_LINE = ("Ring", "Constraints", "Demand")
+ON_THE_COMMAND_LINE = ("Ring", "Constraints", "Demand", "Limits", "Optics")
 # Digits of a default that is an angle in degrees: they hide the rounding of its radians.
 DIGITS = 9
 
@@ -118,10 +126,19 @@ SAID_OTHERWISE: dict[str, dict[str, Any]] = {
     "fov": {"default": None, "unless_given": "36x24, or the site's own"},
     "threshold": {"section": "cameras"},
     "min_baseline": {"section": "constraints"},
+    "resolution": {"option": "pixels"},
+    "depth_axis": {"unless_given": "the axis of the ring"},
+    "depth_of_field": {"kind": RANGE},
+    "focus_distance": {"unless_given": "that of the focus"},
 }
 BESIDE_CLASSES = (
     Option("count", "cameras", WHOLE, 4, "Number of cameras.", option="cameras"),
     Option("seed", "search", WHOLE, 0, "Seed of the search; the same seed gives the same layout."),
+    Option(
+        "give_up", "search", NUMBER, 0.005,
+        "Coverage that may be given up for accuracy, as a fraction of the ring maximum: of layouts within so much of "
+        "the greatest area the one with the least error is proposed.",
+    ),
     Option("certify", "search", FLAG, True, "Whether to bound what any layout could reconstruct."),
     Option(
         "exclude", "mesh", WORD, None,
@@ -131,6 +148,15 @@ BESIDE_CLASSES = (
     ),
     Option("repair", "mesh", FLAG, False, "Whether to put right what can be: winding, faces without area."),
     Option("scale", "mesh", NUMBER, 1.0, "Factor from the mesh file's unit to millimetres: 1000 for metres."),
+    Option(
+        "obstacle", "mesh", FILES, None,
+        "Mesh files of what hides the mesh and never counts, such as an instrument [mm] (of a rig file: looked for "
+        "beside it).",
+    ),
+    Option(
+        "light", "mesh", POINTS, None,
+        "Where light comes from [mm]; what none of the lights shines on does not count.", "all is lit",
+    ),
     Option(
         "objective", "sites", WORD, "mean",
         "What one layout for several meshes maximises: the mean of their fractions of the ring maximum, or that of the "

@@ -10,7 +10,7 @@ from experiments.files.ring_maximum_cache import RememberedAreas
 from experiments.request.meshes import Exclusion, Subject, exclusion, is_site, subject
 from experiments.request.rig import Rig
 from placement.layouts.arcs import LayoutSpace
-from placement.layouts.constraints import demanded
+from placement.layouts.constraints import demanded, on_ring
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +79,7 @@ class Request:
     @property
     def demand(self) -> exact.Demand:
         """What makes a point count, with the baseline that the constraints ask for."""
-        return demanded(self.rig.demand, self.rig.constraints, self.ring)
+        return on_ring(demanded(self.rig.demand, self.rig.constraints, self.ring), self.ring)
 
     def check_cameras(self, n_cameras: int) -> None:
         """Refuse a number of cameras that cannot meet the constraints, before anything is computed.
@@ -137,12 +137,13 @@ def request(names: Sequence[str], depth: float | None, detail: str | None, rig: 
         raise InputError(f"these meshes are meant for fields of view of {wanted} mm; say which with --fov")
     ring = rig.ring(subjects[0].fov)
     poses = []
+    obstacles = tuple(subject(name, None, None, rig.repair, rig.scale).mesh for name in rig.obstacle or ())
     for about, left_out, weight in zip(subjects, excluded, weights, strict=True):
         turned = placement.jitter(about.mesh, rig.tilt_deg, rig.shift_mm, rig.jitter, rig.seed, ring.focus, ring.axis)
         for number, mesh in enumerate(turned, start=1):
             name = about.name if len(turned) == 1 else f"{about.name}, pose {number}"
             falling = None if rig.falloff_mm is None else placement.falloff(mesh, ring, rig.falloff_mm)
-            poses.append(Pose(name, exact.Scene(mesh, exclude=left_out.mask, weights=falling), weight))
+            poses.append(Pose(name, exact.Scene(mesh, left_out.mask, falling, obstacles, rig.light or ()), weight))
     return Request(subjects, excluded, weights, tuple(poses), ring, rig)
 
 

@@ -13,8 +13,10 @@ from typing import Any
 import exact
 import placement
 from exact import demand
+from exact.usable.limits import Limits
+from exact.usable.optics import Optics
 from experiments.files.errors import InputError
-from experiments.request.options import Option, fields_of, keys, sections
+from experiments.request.options import PARTS, Option, fields_of, keys, sections
 
 Sections = dict[str, dict[str, Option]]
 
@@ -39,6 +41,12 @@ class Rig:
     seed : int
     certify : bool
     settings : placement.Settings
+    give_up : float
+        Fraction of the ring maximum that may be given up for accuracy.
+    obstacle : tuple of str or None
+        Files of meshes that hide and never count.
+    light : tuple of (float, float, float) or None
+        Where light comes from [mm]; None for everywhere.
     exclude : str or None
         "top", "none", or a file of face indices; None for what is usual for the mesh.
     repair : bool
@@ -67,6 +75,9 @@ class Rig:
     seed: int
     certify: bool
     settings: placement.Settings
+    give_up: float
+    obstacle: tuple[str, ...] | None
+    light: tuple[tuple[float, float, float], ...] | None
     exclude: str | None
     repair: bool
     scale: float
@@ -123,7 +134,11 @@ def rig(path: Path | None = None, **options: Any) -> Rig:
     return Rig(
         **fields_of("Ring", values),
         n_cameras=values["count"],
-        demand=demand.Demand(**fields_of("Demand", values)),
+        demand=demand.Demand(
+            **fields_of("Demand", values),
+            limits=Limits(**fields_of("Limits", values)),
+            optics=Optics(**fields_of("Optics", values)),
+        ),
         constraints=constraints,
         settings=placement.Settings(**fields_of("Settings", values)),
         **{
@@ -153,7 +168,8 @@ def overridden(asked: exact.Demand, options: Mapping[str, Any]) -> exact.Demand:
     'seen by at least 3 cameras, two of them at least 5 mm apart'
     """
     given = {name: value for name, value in options.items() if value is not None}
-    return replace(asked, **fields_of("Demand", given))
+    parts = {name: replace(getattr(asked, name), **fields_of(kind, given)) for name, kind in PARTS["Demand"].items()}
+    return replace(asked, **fields_of("Demand", given), **parts)
 
 
 def read(path: Path) -> dict[str, Any]:
@@ -188,6 +204,8 @@ def read(path: Path) -> dict[str, Any]:
                 ) from None
     if values.get("exclude") not in (None, "top", "none"):
         values["exclude"] = str(path.parent / values["exclude"])
+    if values.get("obstacle") is not None:
+        values["obstacle"] = tuple(str(path.parent / name) for name in values["obstacle"])
     return values
 
 

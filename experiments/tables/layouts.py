@@ -38,6 +38,8 @@ class Row:
         Widest and mean best triangulation angle over the reconstructable area [rad].
     angle_quantiles : tuple of float
         Best triangulation angles that `SHARES` of the reconstructable area do not exceed [rad].
+    error : float
+        Root mean square of the predicted errors over the reconstructable area [mm]; infinite where there is none.
     robustness : placement.Robustness or None
         What is left under faults, if that was worked out.
     breaks : tuple of str
@@ -53,6 +55,7 @@ class Row:
     widest_angle: float
     mean_angle: float
     angle_quantiles: tuple[float, ...]
+    error: float
     robustness: "placement.Robustness | None" = None
     breaks: tuple[str, ...] = ()
 
@@ -64,13 +67,14 @@ def row(
     fraction: float,
     gain: float | None,
     spread: "placement.Triangulation",
+    error: float,
     robustness: "placement.Robustness | None" = None,
     breaks: Sequence[str] = (),
 ) -> Row:
     """The row of a layout with this exact area [mm²] and fraction of the ring maximum."""
     return Row(
         name, np.asarray(angles), area, fraction, gain, spread.smallest_separation, spread.widest_angle,
-        spread.mean_best_angle, spread.best_angle_quantiles(SHARES), robustness, tuple(breaks),
+        spread.mean_best_angle, spread.best_angle_quantiles(SHARES), error, robustness, tuple(breaks),
     )  # fmt: skip
 
 
@@ -78,7 +82,7 @@ def layout_table(rows: Sequence[Row], compared_with: str) -> Table:
     """For the terminal."""
     shown = table(
         "layout", "exact area\n[mm²]", "of the ring\nmaximum", f"gain over\n{compared_with}",
-        "smallest\nseparation [mm]", "triangulation\nwidest, mean [°]",
+        "RMS error\n[mm]", "smallest sepa-\nration [mm]", "triangulation\nwidest, mean [°]",
     )  # fmt: skip
     for row in rows:
         shown.add_row(
@@ -86,6 +90,7 @@ def layout_table(rows: Sequence[Row], compared_with: str) -> Table:
             f"{row.area:.2f}",
             f"{100 * row.fraction:.2f} %",
             "" if row.gain is None else f"{100 * row.gain:+.2f} %",
+            f"{row.error:.4f}" if np.isfinite(row.error) else "",
             f"{row.smallest_separation:.3f}" if np.isfinite(row.smallest_separation) else "",
             f"{np.degrees(row.widest_angle):.2f}, {np.degrees(row.mean_angle):.2f}",
         )
@@ -109,6 +114,7 @@ def figures(row: Row) -> dict[str, Any]:
         "area_mm2": row.area,
         "fraction_of_ring_maximum": row.fraction,
         "gain_fraction": row.gain,
+        "rms_error_mm": row.error if np.isfinite(row.error) else None,
         "smallest_separation_mm": row.smallest_separation if np.isfinite(row.smallest_separation) else None,
         "widest_triangulation_angle_deg": float(np.degrees(row.widest_angle)),
         "mean_triangulation_angle_deg": float(np.degrees(row.mean_angle)),

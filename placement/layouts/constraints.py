@@ -198,6 +198,17 @@ def demanded(demand: exact.Demand, constraints: Constraints, ring: exact.Ring, n
     return whole
 
 
+def on_ring(demand: exact.Demand, ring: exact.Ring) -> exact.Demand:
+    """The demand with depth along the axis of the ring, unless it says along what.
+
+    Examples
+    --------
+    >>> on_ring(exact.Demand(), exact.Ring(axis=(0, 0, 2))).depth_axis
+    (0.0, 0.0, 2.0)
+    """
+    return demand if demand.depth_axis is not None else replace(demand, depth_axis=ring.axis)
+
+
 def checked_seed(seed: int) -> int:
     """Return `seed` if it can seed a generator of random numbers.
 

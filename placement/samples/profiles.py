@@ -55,6 +55,9 @@ class RingProfiles:
     parts : (P, N) ndarray
         Weight of each point in each of P interleaved parts of the samples, whose scatter measures the sampling error;
         they add up to `weights`. A point that stands for several samples has weight in several parts.
+    noise : (N,) ndarray
+        Variance of each point's predicted error times the spread of the cameras that see it, the sum of their squared
+        distances from their centre [mm⁴]; 0 where errors are of no concern.
     """
 
     behind: Float[np.ndarray, "K N"]
@@ -62,6 +65,7 @@ class RingProfiles:
     weights: Float[np.ndarray, " N"]
     site: Int[np.ndarray, " N"]
     parts: Float[np.ndarray, "P N"]
+    noise: Float[np.ndarray, " N"]
 
     @staticmethod
     def of(signed_distance: Float[np.ndarray, "K N"], weights: Float[np.ndarray, " N"]) -> "RingProfiles":
@@ -109,6 +113,7 @@ class RingProfiles:
             weights,
             np.zeros(len(weights), dtype=np.int64),
             np.where(number % N_PARTS == np.arange(N_PARTS)[:, None], weights, 0.0),
+            np.zeros(len(weights)),
         )
 
     @property
@@ -143,12 +148,19 @@ class RingProfiles:
     def subset(self, keep: Bool[np.ndarray, " N"]) -> "RingProfiles":
         """Profiles of the points where the (N,) mask `keep` is true."""
         return RingProfiles(
-            self.behind[:, keep], self.ahead[:, keep], self.weights[keep], self.site[keep], self.parts[:, keep]
-        )
+            self.behind[:, keep], self.ahead[:, keep], self.weights[keep], self.site[keep], self.parts[:, keep],
+            self.noise[keep],
+        )  # fmt: skip
 
     def scaled(self, factor: float) -> "RingProfiles":
         """The same points, each counting `factor` times as much."""
         return replace(self, weights=factor * self.weights, parts=factor * self.parts)
+
+    def thinned(self, step: int) -> "RingProfiles":
+        """Every `step`-th of the interleaved parts alone, each counting `step` times as much."""
+        parts = self.parts[::step]
+        weights = parts.sum(axis=0) * (len(self.parts) / len(parts))
+        return replace(self, weights=weights).subset(weights > 0)
 
     def at(self, angles) -> Bool[np.ndarray, "M N"]:
         """Visibility of each point from any ring angles: that of the grid angle before it, until the next change.
@@ -175,7 +187,9 @@ class Visibility:
     Parameters
     ----------
     mesh : trimesh.Trimesh
-        Everything that can hide something, excluded faces too [mm].
+        Everything that can hide something, excluded faces and obstacles too [mm].
+    demand : exact.Demand, optional
+        Only its limits and optics matter here: a camera sees a point only if its view is usable.
 
     Examples
     --------
@@ -187,7 +201,8 @@ class Visibility:
     ((2, 100), True, False)
     """
 
-    def __init__(self, mesh: trimesh.Trimesh):
+    def __init__(self, mesh: trimesh.Trimesh, demand: exact.Demand | None = None):
+        self._demand = exact.Demand() if demand is None else demand
         # Only what hides: vertices that no face with area uses may be anywhere.
         used, faces = np.unique(mesh.faces[mesh.area_faces > 0], return_inverse=True)
         vertices = np.asarray(mesh.vertices)[used]
@@ -237,26 +252,49 @@ class Visibility:
         half_extents = np.stack([camera.half_extent for camera in cameras])
 
         to_camera = positions[which] - samples.points[point]
-        facing = np.einsum("pi,pi->p", to_camera, samples.normals[point]) > 0
+        height = np.einsum("pi,pi->p", to_camera, samples.normals[point])
+        facing = height > 0
         local = np.einsum("pij,pj->pi", rotations[which], -to_camera)  # right, down, look
         depth = local[:, 2:]
         inside = (depth[:, 0] > 0) & (np.abs(local[:, :2]) <= half_extents[which] * depth).all(axis=1)
 
         seen = facing & inside
+        if self._demand.limits.is_any:  # cameras of one ring differ in nothing that limits depend on
+            distance = np.linalg.norm(to_camera, axis=1)
+            seen &= self._demand.limits.met_at(depth[:, 0], height, distance, cameras[0], self._demand.optics)
         candidate = np.flatnonzero(seen)
         if len(candidate):
-            normals = samples.normals[point[candidate]]
-            start = samples.points[point[candidate]] + self._offset * normals
-            ray = positions[which[candidate]] - start
-            distance = np.linalg.norm(ray, axis=1)
-            hit = self._scene.run(
-                np.ascontiguousarray(start - self._centre, dtype=np.float32),
-                np.ascontiguousarray(ray / distance[:, None], dtype=np.float32),
-                dists=distance.astype(np.float32),
-                query="OCCLUDED",
-            )
-            seen[candidate] = hit < 0  # -1 where nothing was hit before the camera
+            seen[candidate] = self._reaches(samples.subset(point[candidate]), positions[which[candidate]])
         return seen
+
+    def without_limits(self) -> "Visibility":
+        """The same, where to be seen is enough."""
+        bare = object.__new__(Visibility)
+        vars(bare).update(vars(self) | {"_demand": exact.Demand()})
+        return bare
+
+    def lit(self, samples: SurfaceSamples, lights: Sequence[Sequence[float]]) -> Bool[np.ndarray, " N"]:
+        """(N,) bool: do the samples face one of the lights [mm], with nothing between; all are lit by no lights."""
+        found = np.full(len(samples), not lights)
+        for light in np.array(lights).reshape(-1, 3):
+            facing = np.flatnonzero(~found & (np.einsum("ni,ni->n", light - samples.points, samples.normals) > 0))
+            found[facing] = self._reaches(samples.subset(facing), np.broadcast_to(light, (len(facing), 3)))
+        return found
+
+    def _reaches(self, samples: SurfaceSamples, targets: Float[np.ndarray, "N 3"]) -> Bool[np.ndarray, " N"]:
+        """(N,) bool: does nothing lie between the samples and their targets (N, 3) [mm]."""
+        if len(samples) == 0:
+            return np.zeros(0, dtype=bool)
+        start = samples.points + self._offset * samples.normals
+        ray = targets - start
+        distance = np.linalg.norm(ray, axis=1)
+        hit = self._scene.run(
+            np.ascontiguousarray(start - self._centre, dtype=np.float32),
+            np.ascontiguousarray(ray / distance[:, None], dtype=np.float32),
+            dists=distance.astype(np.float32),
+            query="OCCLUDED",
+        )
+        return np.asarray(hit < 0)  # -1 where nothing was hit before the target
 
 
 def ring_profiles(

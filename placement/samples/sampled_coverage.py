@@ -17,6 +17,8 @@ from placement.samples.profiles import RingProfiles
 
 # Angles for moving two cameras at once: 3 degrees, which one camera at a time then refines.
 PAIR_GRID = 120
+# Cameras whose squared distances from their centre add up to less [mm²] are in one place.
+LEAST_SPREAD = 1e-9
 # How much the mean of several sites counts beside the least: enough to lead over flat stretches, too little to decide.
 MEAN_SHARE = 0.01
 
@@ -74,8 +76,16 @@ class SampledCoverage:
     def covered(self, angles) -> Bool[np.ndarray, " N"]:
         """(N,) bool: which samples the layout of (M,) ring angles [rad] reconstructs."""
         theta = np.asarray(angles, dtype=np.float64)
+        return samples_met(self.profiles.at(theta), theta, self.demand, self.ring, self.profiles.noise)
+
+    def error(self, angles) -> float:
+        """Root mean square of the predicted errors over the samples that a layout reconstructs [mm]; inf for none."""
+        theta = np.asarray(angles, dtype=np.float64)
         seen = self.profiles.at(theta)
-        return self._criterion(theta).met(seen.T)
+        covered = samples_met(seen, theta, self.demand, self.ring, self.profiles.noise)
+        weights = self.profiles.weights[covered]
+        variances = variances_of(seen[:, covered], theta, self.ring, self.profiles.noise[covered])
+        return float(np.sqrt(weights @ variances / weights.sum())) if weights.sum() > 0 else np.inf
 
     def fraction(self, angles) -> float:
         """Weight of the samples that the layout of (M,) ring angles [rad] reconstructs; the least of several sums."""
@@ -91,10 +101,12 @@ class SampledCoverage:
         seen = self.profiles.at(theta)
         count = seen.sum(axis=0)
         threshold = self.demand.threshold
+        if self.demand.max_error is not None:
+            return self._accurate_with_one_more(theta, seen, count)
         if self.demand.baseline == 0:
             already = self.profiles.sums(count >= threshold)
             return _worth(self._sums(np.flatnonzero(count == threshold - 1)) + already[:, None])
-        paired = Criterion(2, self._far(theta, theta)).met(seen.T)
+        paired = Criterion(2, self._far(theta, theta)).enough(seen.T)
         done = (count >= threshold) & paired
         waiting = np.flatnonzero((count >= threshold - 1) & ~done)
         partner = seen[:, waiting].T.astype(np.float32) @ self._far(theta, self.grid).astype(np.float32) > 0
@@ -104,6 +116,52 @@ class SampledCoverage:
         won = (enough & linked).astype(np.float32)
         weights = self._weights[waiting] * (self.profiles.site[waiting] == np.arange(self.profiles.n_sites)[:, None])
         return _worth((weights.astype(np.float32) @ won).astype(np.float64) + self.profiles.sums(done)[:, None])
+
+    def _accurate_with_one_more(self, theta, seen, count) -> Float[np.ndarray, " G"]:
+        """`worth_with_one_more` where errors are bounded: cameras more only lessen them."""
+        done = samples_met(seen, theta, self.demand, self.ring, self.profiles.noise)
+        waiting = np.flatnonzero((count >= self.demand.threshold - 1) & ~done)
+        covered, _ = self._with_one_more(theta, seen[:, waiting], waiting, self.grid, self._seen)
+        weights = self._weights[waiting] * (self.profiles.site[waiting] == np.arange(self.profiles.n_sites)[:, None])
+        won = (weights.astype(np.float32) @ covered.astype(np.float32)).astype(np.float64)
+        return _worth(won + self.profiles.sums(done)[:, None])
+
+    def measured_with_one_more(self, angles, grid=None) -> tuple[Float[np.ndarray, " G"], Float[np.ndarray, " G"]]:
+        """`worth` and `error` of (M - 1,) ring angles [rad] and one more at each of `grid`, by default `pair_grid`."""
+        theta = np.asarray(angles, dtype=np.float64)
+        seen_from = self._seen_pairs if grid is None else self.profiles.at(grid).T
+        grid = self.pair_grid if grid is None else np.asarray(grid, dtype=np.float64)
+        seen = self.profiles.at(theta)
+        which = np.flatnonzero(seen.sum(axis=0) >= self.demand.threshold - 1)
+        covered, variances = self._with_one_more(theta, seen[:, which], which, grid, seen_from)
+        weights = np.where(covered, self.profiles.weights[which, None], 0.0)
+        total = weights.sum(axis=0)
+        squares = (weights * np.where(covered, variances, 0.0)).sum(axis=0)
+        error = np.sqrt(np.divide(squares, total, out=np.full(len(grid), np.inf), where=total > 0))
+        site = self.profiles.site[which]
+        return _worth(np.stack([weights[site == k].sum(axis=0) for k in range(self.profiles.n_sites)])), error
+
+    def _with_one_more(
+        self,
+        theta: Float[np.ndarray, " M"],
+        seen: Bool[np.ndarray, "M W"],
+        which: Int[np.ndarray, " W"],
+        grid: Float[np.ndarray, " G"],
+        seen_from: Float[np.ndarray, "N G"],
+    ) -> tuple[Bool[np.ndarray, "W G"], Float[np.ndarray, "W G"]]:
+        """Whether points `which` count with one more camera at each of `grid`, and the variances of their errors."""
+        now_seen = seen_from[which] > 0
+        covered = seen.sum(axis=0)[:, None] + now_seen >= self.demand.threshold
+        if self.demand.baseline > 0:
+            paired = Criterion(2, self._far(theta, theta)).enough(seen.T)
+            partner = seen.T.astype(np.float32) @ self._far(theta, grid).astype(np.float32) > 0
+            covered &= paired[:, None] | (partner & now_seen)
+        moment = (np.exp(1j * theta) @ seen)[:, None] + np.where(now_seen, np.exp(1j * grid), 0)
+        count = seen.sum(axis=0)[:, None] + now_seen
+        variances = _variances(count, moment, self.ring, self.profiles.noise[which, None])
+        if self.demand.max_error is not None:
+            covered &= variances <= self.demand.max_error**2
+        return covered, variances
 
     def worth_with_two_more(self, angles) -> Float[np.ndarray, "G G"]:
         """(G, G) `worth` of (M - 2,) ring angles [rad] and two more on `pair_grid`; any baseline is left out."""
@@ -166,10 +224,11 @@ class SampledCoverage:
     def improve_pairs(self, space: LayoutSpace, angles, max_sweeps: int = 3) -> Float[np.ndarray, " M"]:
         """Move two free cameras at once, then each alone, until nothing is gained; leaves most local optima.
 
-        Parameters and result as for `improve`. With a baseline only single cameras are moved.
+        Parameters and result as for `improve`. With a baseline or a bounded error only single
+        cameras are moved.
         """
         theta = self.improve(space, angles)
-        if self.demand.baseline > 0:
+        if self.demand.baseline > 0 or self.demand.max_error is not None:
             return theta
         half_gap = np.sin(space.minimum_gap / 2)
         apart = np.abs(np.sin((self.pair_grid[:, None] - self.pair_grid[None, :]) / 2)) >= half_gap
@@ -192,8 +251,36 @@ class SampledCoverage:
         chord = self.ring.diameter * np.abs(np.sin((first[:, None] - second[None, :]) / 2))
         return self.demand.apart(chord)
 
-    def _criterion(self, theta: Float[np.ndarray, " M"]) -> Criterion:
-        return Criterion(self.demand.threshold, self._far(theta, theta) if self.demand.baseline > 0 else None)
+
+def samples_met(
+    seen: Bool[np.ndarray, "M N"],
+    angles: Float[np.ndarray, " M"],
+    demand: exact.Demand,
+    ring: exact.Ring,
+    noise: Float[np.ndarray, " N"],
+) -> Bool[np.ndarray, " N"]:
+    """(N,) bool: which samples the cameras at these ring angles [rad] reconstruct; `noise` as of `RingProfiles`."""
+    chord = ring.diameter * np.abs(np.sin((angles[:, None] - angles[None, :]) / 2))
+    met = Criterion(demand.threshold, demand.apart(chord) if demand.baseline > 0 else None).enough(seen.T)
+    if demand.max_error is not None:
+        met[met] = variances_of(seen[:, met], angles, ring, noise[met]) <= demand.max_error**2
+    return met
+
+
+def variances_of(
+    seen: Bool[np.ndarray, "M N"], angles: Float[np.ndarray, " M"], ring: exact.Ring, noise: Float[np.ndarray, " N"]
+) -> Float[np.ndarray, " N"]:
+    """(N,) predicted variances [mm²] of samples that the cameras at these ring angles [rad] see; `noise` in [mm⁴]."""
+    return _variances(seen.sum(axis=0), np.exp(1j * angles) @ seen, ring, noise)
+
+
+def _variances(count: np.ndarray, moment: np.ndarray, ring: exact.Ring, noise: np.ndarray) -> np.ndarray:
+    """The same from the number n of cameras that see each point and the sum m of their e^(i θ).
+
+    The squared distances of the cameras from their centre add up to (d/2)² (n - |m|² / n).
+    """
+    spread = (ring.diameter / 2) ** 2 * (count - np.abs(moment) ** 2 / np.maximum(count, 1))
+    return np.divide(noise, spread, out=np.full(np.broadcast(noise, spread).shape, np.inf), where=spread > LEAST_SPREAD)
 
 
 def _worth(sums: Float[np.ndarray, "S ..."]) -> Float[np.ndarray, "..."]:

@@ -76,7 +76,7 @@ def sample_site(
     True
     """
     settings = Settings() if settings is None else settings
-    mesh, excluded, face_weights, threshold = scene.mesh, ~scene.counted, scene.weights, demand.threshold
+    mesh, excluded, face_weights, threshold = scene.everything, ~scene.counted, scene.weights, demand.threshold
     towards = faces_towards(mesh, ring)
     if not (towards & ~excluded).any():
         raise PlacementError(
@@ -91,12 +91,15 @@ def sample_site(
         raise PlacementError(_blind("what is turned towards it lies outside the field of view", ring, mesh))
     if face_weights is not None:
         samples = replace(samples, weights=samples.weights * face_weights[samples.faces])
-    visibility = Visibility(mesh)
+    visibility = Visibility(mesh, demand)
+    if scene.lights:
+        samples = samples.subset(visibility.lit(samples, scene.lights))
+        if len(samples) == 0:
+            raise PlacementError(_blind("nothing turned towards it is lit; move or add lights", ring, mesh))
     profiles = ring_profiles(visibility, samples, ring, settings.n_angles, settings.bisections)
     if not profiles.visible.any():
-        raise PlacementError(
-            _blind(f"all {len(samples)} sample points are hidden or outside the field of view", ring, mesh)
-        )
+        raise PlacementError(_blind(_unseen(visibility, samples, ring, demand), ring, mesh))
+    profiles = replace(profiles, noise=noise_of(samples, ring, demand))
     everywhere = ring.equidistant(max(settings.ring_cameras, threshold))
     seen_from = profiles.at(everywhere).sum(axis=0)
     # Profiles miss arcs narrower than their step, which many cameras do not: there the points themselves are asked.
@@ -107,7 +110,31 @@ def sample_site(
     ring_area = float(samples.weights[seen_from >= threshold].sum())
     if not ring_area > 0:
         raise PlacementError("what the ring reconstructs has weight 0; give some of the faces it sees more")
-    return SampledSite(samples, visibility, _merged(profiles), ring_area)
+    return SampledSite(samples, visibility, _merged(profiles, demand), ring_area)
+
+
+def noise_of(samples: SurfaceSamples, ring: exact.Ring, demand: exact.Demand) -> Float[np.ndarray, " N"]:
+    """(N,) variance of the error of each sample times the spread of the cameras that see it [mm⁴].
+
+    On a ring the variance along the axis is (s z² / f)² / S, to 0.2 %: z is the distance from the plane of the ring, s
+    the noise of a match, f the focal length, and S the sum of the squared distances of the cameras from their centre.
+    Along a normal it is less by the squared cosine of its angle to the axis.
+    """
+    camera, axis = ring.cameras([0.0])[0], ring.frame[:, 2]
+    depth = np.maximum(ring.working_distance - (samples.points - np.array(ring.focus)) @ axis, 0.0)
+    focal = float(np.sqrt(np.prod(demand.optics.focal(camera))))
+    noise = (demand.optics.match_noise * depth**2 / focal) ** 2
+    return noise if demand.error == "depth" else noise * (samples.normals @ axis) ** 2
+
+
+def _unseen(visibility: Visibility, samples: SurfaceSamples, ring: exact.Ring, demand: exact.Demand) -> str:
+    """Why no camera sees any of the samples: with limits, whether it is these."""
+    if (
+        demand.limits.is_any
+        and visibility.without_limits().from_angles(samples, ring, ring.equidistant(VIEW_ANGLES)).any()
+    ):
+        return f"no view is usable ({', '.join(demand.limits.words)}); relax the limits or change the optics"
+    return f"all {len(samples)} sample points are hidden or outside the field of view"
 
 
 def faces_towards(mesh: trimesh.Trimesh, ring: exact.Ring) -> Bool[np.ndarray, " F"]:
@@ -155,16 +182,24 @@ def _blind(reason: str, ring: exact.Ring, mesh: trimesh.Trimesh) -> str:
     )
 
 
-def _merged(profiles: RingProfiles) -> RingProfiles:
-    """Drop points that no angle sees; merge those that every angle sees into one (the last)."""
+def _merged(profiles: RingProfiles, demand: exact.Demand) -> RingProfiles:
+    """Drop points that no angle sees; merge those that every angle sees into one (the last).
+
+    Not if their errors are bounded, which are not alike. Else the mean error of all together stays the same.
+    """
     always = np.asarray(profiles.visible.all(axis=0))
+    if demand.max_error is not None:
+        return profiles.subset(np.asarray(profiles.visible.any(axis=0)))
     decided = profiles.subset(np.asarray(profiles.visible.any(axis=0)) & ~always)
     if not always.any():
         return decided
+    weight = profiles.weights[always].sum()
+    noise = float(profiles.weights[always] @ profiles.noise[always] / weight) if weight > 0 else 0.0
     return RingProfiles(
         np.concatenate([decided.behind, np.full((profiles.n_angles, 1), 2 * np.pi)], axis=1),
         np.concatenate([decided.ahead, np.full((profiles.n_angles, 1), 2 * np.pi)], axis=1),
         np.append(decided.weights, profiles.weights[always].sum()),
         np.append(decided.site, 0),
         np.concatenate([decided.parts, profiles.parts[:, always].sum(axis=1, keepdims=True)], axis=1),
+        np.append(decided.noise, noise),
     )

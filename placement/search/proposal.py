@@ -11,12 +11,17 @@ from placement.layouts.distinct import canonical
 from placement.progress import Progress, nothing
 from placement.proof.certificate import Certificate, certify_samples, measure
 from placement.results import Candidate, Placement, SearchRecord, SiteResult, library_versions
+from placement.samples.sampled_coverage import SampledCoverage
+from placement.search.accurate import accurate_layouts
 from placement.search.equidistant import compared_phases
 from placement.search.polish import polish
 from placement.search.search import search
 
 if TYPE_CHECKING:
     from placement.problem import Problem
+
+# Coverage that may be given up for accuracy, in parts of the ring maximum.
+GIVE_UP = 0.005
 
 
 def bound(problem: "Problem", space: LayoutSpace, layout=None) -> Certificate:
@@ -49,9 +54,15 @@ def _refuse_other(space: LayoutSpace, layout) -> None:
 
 
 def propose(
-    problem: "Problem", space: LayoutSpace, certify: bool = True, progress: Progress | None = None
+    problem: "Problem",
+    space: LayoutSpace,
+    certify: bool = True,
+    progress: Progress | None = None,
+    give_up: float = GIVE_UP,
 ) -> Placement:
     """Find the best layout of `space` for a `Problem`; result and errors as for `placement.optimise`."""
+    if not (isinstance(give_up, int | float | np.number) and 0 <= give_up < 1):
+        raise PlacementError(f"give_up is {give_up!r}; it must be at least 0 and below 1, a part of the ring maximum")
     report = progress or nothing
     settings, ring, profiles = problem.settings, problem.ring, problem.profiles
     demand = problem.demanded(space.constraints, space.n_cameras)
@@ -62,6 +73,11 @@ def propose(
     pool, counts = search(problem, space)
     layouts = [("search", layout) for layout in pool[: settings.exact_candidates]]
     clock.lap("search")
+    if give_up > 0:
+        report("searching accurate layouts", 0, 1)
+        accurate = accurate_layouts(problem, space, pool, give_up)
+        layouts += [("accuracy", layout) for layout in accurate]
+        clock.lap("accuracy")
 
     certificate = None
     if certify:
@@ -112,7 +128,13 @@ def propose(
     report("polishing", 1, 1)
 
     best = max(range(len(even)), key=lambda i: scorer.fraction(even[i]))
-    areas = zip(scored[0].areas, scorer.areas(even[0]), scorer.areas(even[best]), scorer.ring_areas, strict=True)
+    proposed = _most_accurate(scored, coverage, give_up)
+    compared = [proposed.angles, scored[0].angles, even[0], even[best]]
+    errors = scorer.errors(compared) if space.n_cameras > 1 else [np.inf] * len(compared)
+    if errors[1] < errors[0]:  # samples are not exact
+        proposed, errors[0] = scored[0], errors[1]
+    clock.lap("errors")
+    areas = zip(proposed.areas, scorer.areas(even[0]), scorer.areas(even[best]), scorer.ring_areas, strict=True)
     sites = tuple(
         SiteResult(
             *four_areas, site.share, site.scene.mesh_hash, int((~site.scene.counted).sum()), site.scene.is_weighted
@@ -120,24 +142,35 @@ def propose(
         for site, four_areas in zip(problem.sites.members, areas, strict=True)
     )
     return Placement(
-        angles=scored[0].angles,
-        fraction=scored[0].fraction,
+        angles=proposed.angles,
+        fraction=proposed.fraction,
+        error_rms=errors[0],
+        most_area_error_rms=errors[1],
+        equidistant_error_rms=errors[2],
+        best_equidistant_error_rms=errors[3],
         equidistant_fraction=scorer.fraction(even[0]),
         best_equidistant_fraction=scorer.fraction(even[best]),
         best_equidistant_phase=phases[best],
         sites=sites,
         objective=problem.sites.objective,
         candidates=tuple(scored),
-        certificate=None if certificate is None else measure(certificate, profiles, scored[0].angles, demand, ring),
+        certificate=None if certificate is None else measure(certificate, profiles, proposed.angles, demand, ring),
         search=SearchRecord(**counts, n_exact=n_exact, n_moves=n_moves, seconds=clock.seconds),
         ring=ring,
         n_cameras=space.n_cameras,
         demand=demand,
+        give_up=float(give_up),
         constraints=space.constraints,
         settings=settings,
         seed=problem.seed,
         versions=library_versions(),
     )
+
+
+def _most_accurate(scored: list[Candidate], coverage: SampledCoverage, give_up: float) -> Candidate:
+    """Of the layouts that give up no more than that, the one with the least error; best first, as `scored` are."""
+    within = [found for found in scored if found.fraction >= scored[0].fraction - give_up]
+    return min(within, key=lambda found: coverage.error(found.angles)) if give_up > 0 else scored[0]
 
 
 class _Clock:

@@ -2,7 +2,6 @@
 
 import hashlib
 from concurrent.futures import Future
-from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from threading import Lock
@@ -119,8 +118,9 @@ class RingMaximum:
 
 
 def unbased(demand: exact.Demand) -> exact.Demand:
-    """The same without a baseline: what the ring maximum is asked for."""
-    return replace(demand, min_baseline=0.0)
+    """The same without baseline and bound on the error: what the ring maximum is asked for."""
+    limits = demand.limits
+    return exact.Demand(demand.threshold, limits=limits, optics=demand.optics if limits.is_any else exact.Optics())
 
 
 @cache

@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 import exact
+from exact.workers import processes
 from placement.layouts.distinct import canonical
 from placement.search.ring_maximum import RingMaximum
 from placement.sites import Sites
@@ -48,6 +49,7 @@ class ExactScorer:
         self.sites, self.ring, self.demand = sites, ring, demand
         self._workers = workers
         self._areas: dict[bytes, tuple[float, ...]] = {}
+        self._errors: dict[bytes, float] = {}
         self._ring_maximum = ring_maximum
 
     @property
@@ -81,8 +83,33 @@ class ExactScorer:
         """Fraction of the ring maximum, over all sites, from their (S,) areas [mm²]."""
         return self.sites.combined(np.array(areas) / np.array(self.ring_areas))
 
+    def errors(self, layouts: Sequence) -> list[float]:
+        """Root mean square of the predicted errors [mm] over all that each layout reconstructs of all sites.
+
+        Infinite where single cameras count, and for a layout that reconstructs nothing.
+        """
+        turned = [canonical(layout) for layout in layouts]
+        new = list({theta.tobytes(): theta for theta in turned if theta.tobytes() not in self._errors}.values())
+        tasks = [(site.scene.without_mesh(), self.ring.cameras(theta)) for theta in new for site in self.sites.members]
+        if self._workers <= 1 or len(tasks) == 1:
+            found = [_squares(*task, self.demand) for task in tasks]
+        else:
+            with processes(self._workers) as executor:
+                futures = [executor.submit(_squares, *task, self.demand) for task in tasks]
+                found = [future.result() for future in futures]
+        sums = np.reshape(found, (len(new), -1, 2)).sum(axis=1)
+        for theta, (squares, total) in zip(new, sums.tolist(), strict=True):
+            self._errors[theta.tobytes()] = float(np.sqrt(squares / total)) if total > 0 else np.inf
+        return [self._errors[theta.tobytes()] for theta in turned]
+
     def moving(self, angles, camera: int) -> Callable[[float], float]:
         """`fraction` of a layout as a function of the ring angle [rad] of one of its cameras, the others held."""
         others = self.ring.cameras(np.delete(angles, camera)) if len(angles) > 1 else ()
         layouts = [exact.OneMore(site.scene, others, demand=self.demand) for site in self.sites.members]
         return lambda angle: self.combined([one.area(self.ring.cameras([angle])[0]) for one in layouts])
+
+
+def _squares(scene: exact.Scene, cameras: Sequence[exact.Camera], demand: exact.Demand) -> tuple[float, float]:
+    """Integral of the squared errors over what the cameras reconstruct [mm⁴], and its area [mm²]."""
+    errors = exact.evaluate(scene, cameras, demand=demand).errors
+    return float(errors.weights @ getattr(errors, demand.error) ** 2), float(errors.weights.sum())

@@ -58,17 +58,18 @@ def run(
     rig, rows = read[0].ring, []
     with progress_bar("scoring exactly", RING_CAMERAS + sum(len(one.angles) for one in read)) as advance:
 
-        def area(angles, counted: exact.Demand) -> float:
+        def evaluated(angles, counted: exact.Demand) -> exact.Reconstruction:
             result = exact.evaluate(scene, rig.cameras(angles), demand=counted, report=advance)
             refuse_unseen(about, result)
-            return result.area
+            return result
 
-        areas = [area(one.angles, demand) for one in read]
-        maximum = area(rig.equidistant(RING_CAMERAS), unbased(demand))
-    for one, found in zip(read, areas, strict=True):
+        results = [evaluated(one.angles, demand) for one in read]
+        areas, errors = [result.area for result in results], [result.error_rms for result in results]
+        maximum = evaluated(rig.equidistant(RING_CAMERAS), unbased(demand)).area
+    for one, found, error in zip(read, areas, errors, strict=True):
         spread = placement.triangulation(scene, rig, one.angles, demand=demand)
         gain = None if one is read[0] else (found - areas[0]) / maximum
-        rows.append(layout_table.row(str(one.path), one.angles, found, found / maximum, gain, spread))
+        rows.append(layout_table.row(str(one.path), one.angles, found, found / maximum, gain, spread, error))
     content: dict[str, Any] = {
         "mesh": {"name": about.name, "excluded": excluded.words, "scale": scale},
         "ring": layout_file.ring_content(rig),

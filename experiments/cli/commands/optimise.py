@@ -63,12 +63,14 @@ def run(
             background(lambda: _kept(problem, asked, robust, asked.ring.equidistant(n_cameras))),
             background(lambda: _kept(problem, asked, robust, _best_equidistant(problem, asked))),
         ]
-        result = problem.optimise(n_cameras, limits, certify=asked.rig.certify, progress=progress)
+        result = problem.optimise(
+            n_cameras, limits, certify=asked.rig.certify, give_up=asked.rig.give_up, progress=progress
+        )
         layouts = _layouts(result, asked)
         drawing = background(lambda: _draw(out / OUTPUTS[2], asked, result, (layouts[0], layouts[-1])))
         progress("faults and triangulation angles", 0, 1)
-        optimised = _kept(problem, asked, robust, layouts[-1].angles)
-        rows = _rows(result, asked, layouts, [*(found.result() for found in even), optimised])
+        searched = [_kept(problem, asked, robust, layout.angles) for layout in layouts[2:]]
+        rows = _rows(result, asked, layouts, [*(found.result() for found in even), *searched])
         content = layout_file.placement_content(result, asked)
         if robust:
             area, agreed = sum(site.area for site in result.sites), placement.consensus(result)
@@ -101,22 +103,30 @@ class Layout(NamedTuple):
     areas: tuple[float, ...]
     """Of each mesh or pose [mm²]."""
     fraction: float
+    error: float
+    """Root mean square of the predicted errors [mm]."""
 
 
 def _layouts(result: placement.Placement, asked: Request) -> tuple[Layout, ...]:
-    """The equidistant layout, the same at its best phase, and the one proposed."""
+    """The equidistant layout, the same at its best phase, that with the most area if it is another, the proposed."""
     phase, even, sites = result.best_equidistant_phase, asked.ring.equidistant, result.sites
     at_best = f"equidistant, best phase ({np.degrees(phase):.1f}°)"
+    most = result.most_area
+    other = (Layout("most area", np.array(most.angles), most.areas, most.fraction, result.most_area_error_rms),)
     return (
         Layout(
             "equidistant", even(result.n_cameras), tuple(site.equidistant_area for site in sites),
-            result.equidistant_fraction,
+            result.equidistant_fraction, result.equidistant_error_rms,
         ),
         Layout(
             at_best, even(result.n_cameras, phase), tuple(site.best_equidistant_area for site in sites),
-            result.best_equidistant_fraction,
+            result.best_equidistant_fraction, result.best_equidistant_error_rms,
         ),
-        Layout("optimised", np.array(result.angles), tuple(site.area for site in sites), result.fraction),
+        *(other if most.angles != result.angles else ()),
+        Layout(
+            "optimised", np.array(result.angles), tuple(site.area for site in sites), result.fraction,
+            result.error_rms,
+        ),
     )  # fmt: skip
 
 
@@ -152,7 +162,11 @@ def _rows(
         breaks = result.constraints.violations(asked.ring, layout.angles)
         gain = None if layout is layouts[0] else layout.fraction - result.equidistant_fraction
         area = sum(layout.areas) / asked.n_poses
-        rows.append(layout_table.row(layout.name, layout.angles, area, layout.fraction, gain, spread, found, breaks))
+        rows.append(
+            layout_table.row(
+                layout.name, layout.angles, area, layout.fraction, gain, spread, layout.error, found, breaks
+            )
+        )
     return rows
 
 
@@ -194,7 +208,7 @@ def _print(asked: Request, result: placement.Placement, rows: list[layout_table.
     if found is not None:
         console.print(robustness_table.faults_table(rows))
         console.print(robustness_table.faults_caption(rows, asked.of))
-        console.print(robustness_table.consensus_words(placement.consensus(result), result.angles))
+        console.print(robustness_table.consensus_words(placement.consensus(result), result.most_area.angles))
         if found.pairs:
             area = sum(site.area for site in result.sites)
             console.print(robustness_table.pairs_words(found, area))

@@ -8,7 +8,7 @@ import typer
 import experiments.cli.options as opt
 
 
-@opt.asking("count", *opt.REQUEST)
+@opt.asking("count", *opt.REQUEST, "give_up")
 def optimise(
     meshes: opt.Meshes,
     options: opt.Given,
