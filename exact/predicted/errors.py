@@ -5,11 +5,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from exact.predicted.bound import SMALL, Predictor, nearest
+from exact.predicted.bound import Predictor, nearest
 from exact.predicted.contour import triangulate
 from exact.usable.information import variance
 from exact.visibility.coverage import Pieces
 
+# Triangles are quartered until they are smaller than this beside their distance from the cameras.
+FINE = 0.004
 # Points of a triangle that integrate quadratic functions exactly, each with a third of its area.
 NODES = np.array([[2 / 3, 1 / 6, 1 / 6], [1 / 6, 2 / 3, 1 / 6], [1 / 6, 1 / 6, 2 / 3]])
 
@@ -77,7 +79,7 @@ def _small(predictor: Predictor, face: np.ndarray, seen: np.ndarray, corner: np.
     while len(face):
         at = surface.points(np.repeat(face, 3), corner.reshape(-1, 2)).reshape(-1, 3, 3)
         centre = at.mean(axis=1)
-        far = np.linalg.norm(at - centre[:, None], axis=2).max(axis=1) > SMALL * nearest(predictor.cameras, centre)
+        far = np.linalg.norm(at - centre[:, None], axis=2).max(axis=1) > FINE * nearest(predictor.cameras, centre)
         done.append((face[~far], seen[~far], corner[~far]))
         a, b, c = corner[far].transpose(1, 0, 2)
         ab, bc, ca = (a + b) / 2, (b + c) / 2, (c + a) / 2

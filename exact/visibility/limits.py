@@ -17,8 +17,6 @@ from exact.visibility.silhouettes import MARGIN, Cuts
 # An arc is cut along chords of at most this angle [rad], and along at least so many. They are moved outwards so far
 # that they bound the area of the arc; only at its two ends, over less than a chord, a difference remains.
 CHORD_ANGLE, LEAST_CHORDS = np.radians(1.0), 8
-# Arcs are followed this far beyond the face (in parts of their length), so that they surely reach its outline.
-BEYOND = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,11 +136,11 @@ def _arcs(flat: np.ndarray, radius: float) -> tuple[np.ndarray, np.ndarray]:
         middle = inverse @ (radius * np.array([np.cos((low + high) / 2), np.sin((low + high) / 2)]) - flat[0])
         if not (middle.min() >= 0 and middle.sum() <= 1):
             continue
-        extra = BEYOND * (high - low) if len(angles) else 0.0
-        low, high = low - extra, high + extra
         n_chords = max(LEAST_CHORDS, int(np.ceil((high - low) / CHORD_ANGLE)))
         step = (high - low) / n_chords
         along = low + step * np.arange(n_chords + 1)
+        if len(angles):  # moved outwards, a chord need not reach the side of the face where the arc does
+            along = np.concatenate([[low - step], along, [high + step]])
         outer = radius * np.sqrt(step / np.sin(step))
         points = (np.stack([np.cos(along), np.sin(along)], axis=1) * outer - flat[0]) @ inverse.T
         if not len(angles):

@@ -121,7 +121,8 @@ class SampledCoverage:
         """`worth_with_one_more` where errors are bounded: cameras more only lessen them."""
         done = samples_met(seen, theta, self.demand, self.ring, self.profiles.noise)
         waiting = np.flatnonzero((count >= self.demand.threshold - 1) & ~done)
-        covered, _ = self._with_one_more(theta, seen[:, waiting], waiting, self.grid, self._seen)
+        now_seen = self._seen[waiting] > 0
+        covered, _ = self._with_one_more(theta, seen[:, waiting], now_seen, self.grid, self.profiles.noise[waiting])
         weights = self._weights[waiting] * (self.profiles.site[waiting] == np.arange(self.profiles.n_sites)[:, None])
         won = (weights.astype(np.float32) @ covered.astype(np.float32)).astype(np.float64)
         return _worth(won + self.profiles.sums(done)[:, None])
@@ -133,7 +134,8 @@ class SampledCoverage:
         grid = self.pair_grid if grid is None else np.asarray(grid, dtype=np.float64)
         seen = self.profiles.at(theta)
         which = np.flatnonzero(seen.sum(axis=0) >= self.demand.threshold - 1)
-        covered, variances = self._with_one_more(theta, seen[:, which], which, grid, seen_from)
+        noise = self.profiles.noise[which]
+        covered, variances = self._with_one_more(theta, seen[:, which], seen_from[which] > 0, grid, noise)
         weights = np.where(covered, self.profiles.weights[which, None], 0.0)
         total = weights.sum(axis=0)
         squares = (weights * np.where(covered, variances, 0.0)).sum(axis=0)
@@ -145,12 +147,11 @@ class SampledCoverage:
         self,
         theta: Float[np.ndarray, " M"],
         seen: Bool[np.ndarray, "M W"],
-        which: Int[np.ndarray, " W"],
+        now_seen: Bool[np.ndarray, "W G"],
         grid: Float[np.ndarray, " G"],
-        seen_from: Float[np.ndarray, "N G"],
+        noise: Float[np.ndarray, " W"],
     ) -> tuple[Bool[np.ndarray, "W G"], Float[np.ndarray, "W G"]]:
-        """Whether points `which` count with one more camera at each of `grid`, and the variances of their errors."""
-        now_seen = seen_from[which] > 0
+        """Whether W points count with one more camera at each of `grid`, and the variances of their errors."""
         covered = seen.sum(axis=0)[:, None] + now_seen >= self.demand.threshold
         if self.demand.baseline > 0:
             paired = Criterion(2, self._far(theta, theta)).enough(seen.T)
@@ -158,7 +159,7 @@ class SampledCoverage:
             covered &= paired[:, None] | (partner & now_seen)
         moment = (np.exp(1j * theta) @ seen)[:, None] + np.where(now_seen, np.exp(1j * grid), 0)
         count = seen.sum(axis=0)[:, None] + now_seen
-        variances = _variances(count, moment, self.ring, self.profiles.noise[which, None])
+        variances = _variances(count, moment, self.ring, noise[:, None])
         if self.demand.max_error is not None:
             covered &= variances <= self.demand.max_error**2
         return covered, variances
