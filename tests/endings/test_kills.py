@@ -22,11 +22,10 @@ KILLS = int(os.environ.get("CAMRING_KILLS", "0"))
 COMMANDS = ("optimise", "paper", "study") if KILLS else ("evaluate",)
 # The study with one site and one number of cameras: what `--quick` takes minutes for is more of the same.
 SMALL_STUDY = (
-    "import sys\n"
-    "from experiments import command_study\n"
     "from experiments.cli.app import main\n"
-    "plan = command_study.Plan((('circ_flat', 50),), (2,), (), (), (2, 3, 4), 'coarse')\n"
-    "command_study.Plan.of = staticmethod(lambda quick, detail: plan)\n"
+    "from experiments.study.tasks import Plan\n"
+    "plan = Plan((('circ_flat', 50),), (2,), (), (), (2, 3, 4), 'coarse')\n"
+    "Plan.of = staticmethod(lambda quick, detail: plan)\n"
     "main()\n"
 )
 # The only figures of a sweep that differ from run to run.

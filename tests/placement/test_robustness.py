@@ -96,10 +96,10 @@ def test_consensus_of_the_best_layouts(bars):
 
 
 def test_fewest_cameras(bars):
-    found = placement.recommend_count(bars, RING, 0.75, settings=QUICK, max_cameras=9, certify=False)
+    found = placement.recommend_count(bars, RING, 0.55, settings=QUICK, max_cameras=9, certify=False)
     assert [c.n_cameras for c in found.counts] == list(range(2, found.counts[-1].n_cameras + 1))
-    reached = [c.n_cameras for c in found.counts if c.fraction >= 0.75]
-    even = [c.n_cameras for c in found.counts if c.equidistant_fraction >= 0.75]
+    reached = [c.n_cameras for c in found.counts if c.fraction >= 0.55]
+    even = [c.n_cameras for c in found.counts if c.equidistant_fraction >= 0.55]
     assert found.n_cameras == reached[0] and found.n_equidistant == even[0] == found.counts[-1].n_cameras
     assert found.saved == found.n_equidistant - found.n_cameras >= 1
     assert found.placement.n_cameras == found.n_cameras

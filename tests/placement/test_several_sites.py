@@ -49,16 +49,18 @@ def test_figures_are_those_of_the_sites(objective):
 
 
 def test_the_worst_site_is_raised_at_the_cost_of_the_mean():
-    mean, worst = (placement.optimise(BARS, RING, 2, settings=QUICK, objective=o) for o in ("mean", "worst"))
+    mean, worst = (
+        placement.optimise(BARS, RING, 2, settings=QUICK, objective=o, certify=False) for o in ("mean", "worst")
+    )
     # The samples decide which layouts are scored: what is better on one objective may be so by their error only.
     assert worst.fraction >= min(site.fraction for site in mean.sites) - 2e-3
     assert mean.fraction >= np.mean([site.fraction for site in worst.sites]) - 2e-3
 
 
 def test_a_site_without_weight_changes_nothing_and_one_alone_counts_fully():
-    both = placement.optimise(BARS, RING, 3, settings=QUICK, site_weights=[1, 0])
+    both = placement.optimise(BARS, RING, 3, settings=QUICK, site_weights=[1, 0], certify=False)
     assert both.fraction == pytest.approx(exact_fractions(BARS[:1], both.angles)[0], rel=1e-12)
-    alone = placement.optimise(BARS[0], RING, 3, settings=QUICK)
+    alone = placement.optimise(BARS[0], RING, 3, settings=QUICK, certify=False)
     assert both.fraction == pytest.approx(alone.fraction, abs=0.03)  # of as few samples as these
 
 
@@ -71,10 +73,9 @@ def test_a_problem_gives_what_optimise_gives():
     assert placement.place(problem, 2).n_cameras == 2  # and serves another count
 
 
-@pytest.mark.parametrize("workers", [1, 2])
-def test_the_number_of_processes_changes_nothing(workers):
-    result = placement.optimise(BARS[1], RING, 2, settings=QUICK, workers=workers)
-    assert result == placement.optimise(BARS[1], RING, 2, settings=QUICK)
+def test_the_number_of_processes_changes_nothing():
+    usual, alone, two = (placement.optimise(BARS[1], RING, 2, settings=QUICK, workers=n) for n in (None, 1, 2))
+    assert usual == alone == two
 
 
 def test_weights_of_faces_reach_every_figure():

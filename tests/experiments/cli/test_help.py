@@ -73,7 +73,7 @@ def desk(tmp_path_factory, quick_search):
     }
     for name, angles in (("a", [0, 120, 240]), ("b", [0, 90, 180])):
         (folder / name).mkdir()
-        text = json.dumps(content | {"angles_deg": angles})
+        text = json.dumps(content | {"angles_deg": angles, "constraints": {"min_separation": 5.0, "min_angle": 0.01}})
         (folder / name / "layout.json").write_text(text, encoding="utf-8")
     return folder
 

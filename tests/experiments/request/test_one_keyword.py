@@ -18,6 +18,7 @@ from experiments.request.option_kinds import of_type
 
 # A demand of another program, with a field more: a baseline in centimetres.
 PROGRAM = '''
+import json
 import sys
 from dataclasses import dataclass
 
@@ -45,8 +46,15 @@ exact.demand.Demand = Demand
 
 from experiments.cli.app import main
 
-main(sys.argv[1:])
+for line in sys.stdin:
+    try:
+        main(json.loads(line))
+    except SystemExit as end:
+        assert not end.code, line
+    sys.stdout.write("\\0")
 '''
+# The subcommands that ask how many views count.
+TAKERS = {"optimise", "count", "evaluate", "compare"}
 ANGLES = "20,60,200,240"  # neighbours are 10.3 mm apart, others more than 28 mm
 
 
@@ -59,42 +67,48 @@ def scan(tmp_path_factory):
     return path
 
 
-def run(*arguments):
-    command = [sys.executable, "-c", PROGRAM, *map(str, arguments)]
-    return subprocess.run(command, check=True, capture_output=True, text=True).stdout
-
-
 def area(scan, min_baseline):
     cameras = exact.Ring().cameras(np.radians([float(angle) for angle in ANGLES.split(",")]))
     return exact.evaluate(meshes.load(scan), cameras, threshold=2, min_baseline=min_baseline).area
 
 
+@pytest.fixture(scope="module")
+def said(tmp_path_factory, scan):
+    """What each command says in that program: all in one process, which has to import everything."""
+    folder = tmp_path_factory.mktemp("wider")
+    (folder / "rig.toml").write_text("[demand]\nmin_chord_cm = 2\n", encoding="utf-8")
+    ring = {"diameter_mm": 30, "working_distance_mm": 400, "fov_mm": [36, 24]}
+    layout = {"format": "camring layout", "version": 1, "ring": ring, "angles_deg": json.loads(f"[{ANGLES}]")}
+    (folder / "layout.json").write_text(json.dumps(layout), encoding="utf-8")
+    evaluate = ("evaluate", str(scan), "--angles-deg", ANGLES, "--json")
+    commands = {
+        "option": (*evaluate, "--min-chord-cm", "2"),
+        "key": (*evaluate, "--rig", "rig.toml"),
+        "compare": ("compare", *["layout.json"] * 2, "--mesh", str(scan), "--min-chord-cm", "2", "--json"),
+        **{f"{name} --help": (name, "--help") for name in TAKERS},
+        "rig init": ("rig", "init", "new.toml"),
+    }
+    lines = "".join(json.dumps(arguments) + "\n" for arguments in commands.values())
+    program = [sys.executable, "-c", PROGRAM]
+    done = subprocess.run(program, input=lines, check=True, capture_output=True, text=True, cwd=folder)
+    return dict(zip(commands, done.stdout.split("\0"), strict=False)) | {"folder": folder}
+
+
 @pytest.mark.parametrize("way", ["option", "key", "compare"])
-def test_a_further_field_of_a_demand_works(scan, tmp_path, way):
+def test_a_further_field_of_a_demand_works(scan, said, way):
     assert area(scan, 20.0) < 0.9 * area(scan, 0.0)
-    evaluate = ("evaluate", scan, "--angles-deg", ANGLES, "--json")
-    if way == "option":
-        found = json.loads(run(*evaluate, "--min-chord-cm", "2"))["area_mm2"]
-    elif way == "key":
-        (tmp_path / "rig.toml").write_text("[demand]\nmin_chord_cm = 2\n", encoding="utf-8")
-        found = json.loads(run(*evaluate, "--rig", tmp_path / "rig.toml"))["area_mm2"]
-    else:
-        ring = {"diameter_mm": 30, "working_distance_mm": 400, "fov_mm": [36, 24]}
-        layout = {"format": "camring layout", "version": 1, "ring": ring, "angles_deg": json.loads(f"[{ANGLES}]")}
-        (tmp_path / "layout.json").write_text(json.dumps(layout), encoding="utf-8")
-        twice = (tmp_path / "layout.json",) * 2
-        compared = json.loads(run("compare", *twice, "--mesh", scan, "--min-chord-cm", "2", "--json"))
-        found = compared["layouts"][0]["area_mm2"]
+    found = json.loads(said[way])
+    found = found["layouts"][0]["area_mm2"] if way == "compare" else found["area_mm2"]
     assert found == pytest.approx(area(scan, 20.0), rel=1e-12)
 
 
-def test_a_further_field_of_a_demand_is_told_of(tmp_path):
-    for command in ("evaluate", "optimise", "count", "compare"):
-        said = " ".join(run(command, "--help").split())
-        assert "--min-chord-cm <float>" in said
-        assert "least chord between some two of the cameras that see a point [cm]" in said
-    run("rig", "init", tmp_path / "rig.toml")
-    assert tomllib.loads((tmp_path / "rig.toml").read_text(encoding="utf-8"))["demand"] == {"min_chord_cm": 0.0}
+def test_a_further_field_of_a_demand_is_told_of(said):
+    for command in TAKERS:
+        words = " ".join(said[f"{command} --help"].split())
+        assert "--min-chord-cm <float>" in words
+        assert "least chord between some two of the cameras that see a point [cm]" in words
+    rig = (said["folder"] / "new.toml").read_text(encoding="utf-8")
+    assert tomllib.loads(rig)["demand"] == {"min_chord_cm": 0.0}
 
 
 def test_what_is_read_from_the_sources_is_what_the_classes_declare():
@@ -120,7 +134,7 @@ def test_whoever_takes_a_threshold_takes_all_of_a_demand():
         if "threshold" in options:
             takers.add(name)
             assert demanded <= options, name
-    assert takers == {"optimise", "count", "evaluate", "compare"}
+    assert takers == TAKERS
 
 
 def test_a_type_that_no_option_can_have_is_refused():
