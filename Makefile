@@ -14,7 +14,8 @@ demo: .venv/installed
 
 # Needs Chromium or Chrome too, to look at reports with: on Debian and Ubuntu, apt-get install chromium.
 test: .venv/installed-test lint
-	$(BIN)/pytest -n 2
+	$(BIN)/pytest -n 2 --cov --cov-report=
+	@echo "lines that the tests reach: $$($(BIN)/coverage report --format=total) %"
 
 # The oldest releases that pyproject.toml allows, in an environment of their own. What they warn of is of their time.
 test-oldest: .venv-oldest/installed
