@@ -3,8 +3,9 @@ PYTHON ?= python3
 BIN := .venv/bin
 LOCK := UV_CUSTOM_COMPILE_COMMAND='make lock' $(BIN)/uv pip compile pyproject.toml --quiet --upgrade --python-version 3.11
 # A few minutes less than all: they touch every library that camring is made of.
-OLDEST_TESTS := $(addprefix tests/test_,dependencies.py exact_closed_forms.py exact_oracle.py::test_awkward_meshes \
-	meshes_load.py placement_soft_coverage.py bad_input.py)
+OLDEST_TESTS := $(addprefix tests/,whole/test_dependencies.py exact/test_closed_forms.py \
+	exact/test_oracle.py::test_awkward_meshes meshes/test_load.py placement/test_soft_coverage.py \
+	bad_input/test_refused.py)
 
 .PHONY: demo test test-oldest lint lock docs clean
 
@@ -13,7 +14,8 @@ demo: .venv/installed
 
 # Needs Chromium or Chrome too, to look at reports with: on Debian and Ubuntu, apt-get install chromium.
 test: .venv/installed-test lint
-	$(BIN)/pytest -n 2
+	$(BIN)/pytest -n 2 --cov --cov-report=
+	@echo "lines that the tests reach: $$($(BIN)/coverage report --format=total) %"
 
 # The oldest releases that pyproject.toml allows, in an environment of their own. What they warn of is of their time.
 test-oldest: .venv-oldest/installed

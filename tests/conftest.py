@@ -2,7 +2,6 @@
 
 import os
 import tempfile
-from pathlib import Path
 
 import matplotlib
 import pytest
@@ -10,9 +9,10 @@ from jaxtyping import config
 
 from experiments.cli.app import main
 from experiments.cli.jax_cache import keep_compiled
+from tests.support import ROOT
 
 # Compiling takes most of the time of many tests: the processes of a run share what they compile.
-os.environ.setdefault("JAX_COMPILATION_CACHE_DIR", str(Path(__file__).parent.parent / ".pytest_cache" / "jax"))
+os.environ.setdefault("JAX_COMPILATION_CACHE_DIR", str(ROOT / ".pytest_cache" / "jax"))
 keep_compiled()
 
 

@@ -1,0 +1,1 @@
+"""How commands and scripts end, whatever happens to them."""

@@ -1,0 +1,95 @@
+"""Ways to share work among layouts give what evaluating each by itself gives."""
+
+import itertools
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import exact
+from tests.support.random_requests import MESHES, close, few, mesh_names, request, seeds
+
+thresholds = st.integers(1, 3)
+
+
+def counted(rng, mesh):
+    """Some faces that do not count, and weights of the others."""
+    return rng.random(len(mesh.faces)) < 0.2, rng.uniform(0, 2, len(mesh.faces))
+
+
+@few
+@given(mesh_names, seeds, thresholds, st.booleans())
+def test_one_more_camera(name, seed, threshold, with_baseline):
+    rng, mesh, cameras = request(seed, name, 5)
+    exclude, weights = counted(rng, mesh)
+    apart = np.linalg.norm(cameras[0].position - cameras[1].position) if with_baseline else 0.0
+    asked = dict(threshold=threshold, exclude=exclude, min_baseline=apart, weights=weights)
+    others = exact.OneMore(mesh, cameras[:3], **asked)
+    for camera in cameras[3:]:
+        alone = exact.evaluate(mesh, [*cameras[:3], camera], **asked)
+        assert close(others.area(camera), alone.area, mesh)
+
+
+def test_one_more_camera_and_no_other():
+    mesh = MESHES["channel"]
+    _, _, (camera, other) = request(3, "channel", 2)
+    nobody = exact.OneMore(mesh, [], threshold=1)
+    assert nobody.area(camera) == pytest.approx(exact.view(mesh, camera).area)
+    assert nobody.area(other) == pytest.approx(exact.view(mesh, other).area)
+
+
+@few
+@given(mesh_names, seeds)
+def test_view_sets_give_every_threshold_every_failure_and_every_pair(name, seed):
+    rng, mesh, cameras = request(seed, name, 4)
+    exclude, weights = counted(rng, mesh)
+    sets = exact.view_sets(mesh, cameras, exclude=exclude, weights=weights)
+    assert len(np.unique(sets.seen, axis=0)) == len(sets.seen) and sets.seen.any(axis=1).all()
+    scene = exact.Scene(mesh, exclude, weights)
+    for level, area in enumerate(exact.evaluate(scene, cameras, threshold=4).level_areas, start=1):
+        assert close(sets.area(threshold=level), area, mesh)
+    for kept in itertools.combinations(range(4), 3):
+        some = [cameras[i] for i in kept]
+        alone = exact.evaluate(scene, some, threshold=2).area
+        assert close(sets.area(threshold=2, cameras=np.isin(np.arange(4), kept)), alone, mesh)
+    parts = sets.to_mesh()
+    factor = weights[parts.face_attributes["parent"]]
+    drawn = np.bincount(parts.face_attributes["set"] + 1, parts.area_faces * factor, len(sets.seen) + 1)
+    assert close(drawn[1:], sets.areas, mesh)
+    assert close(parts.area, mesh.area_faces[~exclude].sum(), mesh)
+    far = np.array([[np.linalg.norm(a.position - b.position) for a in cameras] for b in cameras])
+    apart = np.median(far[far > 0])
+    with_baseline = exact.evaluate(scene, cameras, min_baseline=apart).area
+    assert close(sets.area(threshold=2, far=far >= apart * (1 - 1e-12)), with_baseline, mesh)
+    assert close(sets.area(min_baseline=apart), with_baseline, mesh)
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_areas_of_many_layouts_are_those_of_each_to_the_last_bit(workers):
+    mesh = MESHES["channel"]
+    exclude, weights = counted(np.random.default_rng(0), mesh)
+    _, _, cameras = request(5, "channel", 9)
+    layouts = [cameras[:3], cameras[3:5], cameras[5:]]
+    steps = []
+    found = exact.areas(mesh, layouts, exclude=exclude, weights=weights, workers=workers, report=steps.append)
+    assert found.tolist() == [exact.evaluate(mesh, one, exclude=exclude, weights=weights).area for one in layouts]
+    assert steps == [1, 1, 1]
+    assert exact.areas(mesh, [], workers=workers).tolist() == []
+
+
+@pytest.mark.parametrize(
+    ("ask", "message"),
+    [
+        (lambda mesh, some: exact.OneMore(mesh, some, threshold=4), "threshold is 4 with 3 cameras"),
+        (lambda mesh, some: exact.OneMore(mesh, some, min_baseline=-1), "min_baseline is -1"),
+        (lambda mesh, some: exact.OneMore(mesh, some).area("here"), "a camera is a str"),
+        (lambda mesh, some: exact.areas(mesh, [some, some[:1]], threshold=2), "threshold is 2 with 1 cameras"),
+        (lambda mesh, some: exact.areas(mesh, [some], workers=0), "workers is 0"),
+        (lambda mesh, some: exact.view_sets(mesh, []), "there are no cameras"),
+    ],
+)
+def test_refusals(ask, message):
+    _, mesh, cameras = request(1, "channel", 2)
+    with pytest.raises(exact.ExactError, match=message):
+        ask(mesh, cameras)

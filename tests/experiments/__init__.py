@@ -1,0 +1,1 @@
+"""What a person runs, room by room as in `experiments`."""

@@ -1,0 +1,1 @@
+"""Subcommands: what they print, write and refuse."""

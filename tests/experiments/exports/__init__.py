@@ -1,0 +1,1 @@
+"""Layouts and areas for other programs, read back with their readers."""

@@ -1,0 +1,1 @@
+"""The results of the paper: the quick run, the committed ones, fits."""

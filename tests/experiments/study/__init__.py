@@ -1,0 +1,1 @@
+"""The study of optimised against equidistant rings."""

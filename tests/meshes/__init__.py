@@ -1,0 +1,1 @@
+"""Loading, checking and mending meshes, and the reference sites."""

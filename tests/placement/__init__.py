@@ -1,0 +1,1 @@
+"""Surrogate, layouts, search, proof and what is made of them."""

@@ -1,0 +1,1 @@
+"""What holds for all packages together: imports, names, documentation, dependencies."""
