@@ -4,7 +4,6 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
-import trimesh
 
 from exact.cameras import Camera
 from exact.demand import Demand
@@ -12,7 +11,8 @@ from exact.scene import Scene
 from exact.visibility.coverage import Tally
 from exact.visibility.triangulated import triangulated
 
-if TYPE_CHECKING:  # drawing alone needs matplotlib
+if TYPE_CHECKING:  # making a mesh and drawing alone need these
+    import trimesh
     from matplotlib.axes import Axes
 
 
@@ -86,7 +86,7 @@ class Reconstruction:
 
         return show.html(self)
 
-    def to_mesh(self, level: int | None = None) -> trimesh.Trimesh:
+    def to_mesh(self, level: int | None = None) -> "trimesh.Trimesh":
         """Reconstructable part of the surface as a mesh; `face_attributes["parent"]` is the face of each triangle.
 
         Parameters

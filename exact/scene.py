@@ -3,18 +3,20 @@
 import hashlib
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary
 
 import numpy as np
-import trimesh
 
 from exact.errors import ExactError
 from exact.visibility.surface import Surface, prepare
-from meshes import fingerprint
+
+if TYPE_CHECKING:
+    import trimesh
 
 # What was prepared of a mesh, for the next request about the same one. A mesh that was changed has another hash, and is
 # not found again.
-_PREPARED: WeakKeyDictionary[trimesh.Trimesh, Surface] = WeakKeyDictionary()
+_PREPARED: "WeakKeyDictionary[trimesh.Trimesh, Surface]" = WeakKeyDictionary()
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,19 +40,22 @@ class Scene:
 
     Examples
     --------
+    >>> import trimesh
     >>> box = trimesh.creation.box((10, 10, 10))
     >>> scene = Scene(box, exclude=box.face_normals[:, 2] < 0.5)
     >>> float(scene.surface.areas[scene.counted].sum())
     100.0
     """
 
-    mesh: trimesh.Trimesh
+    mesh: "trimesh.Trimesh"
     exclude: np.ndarray | None = None
     weights: np.ndarray | None = None
     surface: Surface = field(init=False, repr=False)
     counted: np.ndarray = field(init=False, repr=False)
 
     def __post_init__(self):
+        import trimesh
+
         if not isinstance(self.mesh, trimesh.Trimesh):
             raise ExactError(f"mesh is a {type(self.mesh).__name__}; a trimesh.Trimesh is needed: see meshes.load")
         surface = _PREPARED.get(self.mesh)
@@ -75,6 +80,8 @@ class Scene:
     @cached_property
     def mesh_hash(self) -> str:
         """Fingerprint of the mesh (`meshes.fingerprint`)."""
+        from meshes import fingerprint
+
         return fingerprint(self.mesh)
 
     @cached_property

@@ -6,11 +6,10 @@ cameras do the work.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import shapely
-import trimesh
 
 from exact.cameras import Camera
 from exact.demand import Criterion
@@ -27,6 +26,9 @@ from exact.requests import (
 from exact.scene import Scene
 from exact.visibility.coverage import Pieces, tally
 from exact.visibility.triangulated import triangulated
+
+if TYPE_CHECKING:
+    import trimesh
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +78,7 @@ class ViewSets:
             criterion = replace(criterion, far=np.asarray(asked["far"], dtype=bool))
         return criterion.met(self.seen if chosen is None else self.seen & np.asarray(chosen, dtype=bool))
 
-    def to_mesh(self) -> trimesh.Trimesh:
+    def to_mesh(self) -> "trimesh.Trimesh":
         """The counted surface, cut where the set of cameras changes.
 
         Returns
@@ -92,7 +94,9 @@ class ViewSets:
 
 
 @shows(scene_keywords())
-def view_sets(mesh: trimesh.Trimesh | Scene, cameras: Sequence[Camera], *, workers: int = 1, **asked: Any) -> ViewSets:
+def view_sets(
+    mesh: "trimesh.Trimesh | Scene", cameras: Sequence[Camera], *, workers: int = 1, **asked: Any
+) -> ViewSets:
     """Divide the surface by the set of cameras that see it, exact up to float64 rounding.
 
     Takes longer than `evaluate`, since no part is finished before every camera has been asked, and is meant for up to
@@ -113,6 +117,7 @@ def view_sets(mesh: trimesh.Trimesh | Scene, cameras: Sequence[Camera], *, worke
 
     Examples
     --------
+    >>> import trimesh
     >>> from exact import Ring
     >>> plate = trimesh.Trimesh([[-5, -5, 0], [5, -5, 0], [5, 5, 0], [-5, 5, 0]], [[0, 1, 2], [0, 2, 3]])
     >>> sets = view_sets(plate, Ring().cameras([0.0, 1.0, 2.0]))
