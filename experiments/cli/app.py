@@ -20,6 +20,7 @@ from experiments.cli.exit_status import (
 )
 from experiments.cli.jax_cache import keep_compiled
 from experiments.cli.memory_limit import ran_out, too_low
+from experiments.cli.one_thread import calculate_in_one_thread
 from experiments.cli.usage import bench, compare, count, evaluate, export, optimise, paper, report, rig, site, study
 
 app = typer.Typer(
@@ -56,6 +57,7 @@ def main(arguments: list[str] | None = None) -> None:
     runs in it.
     """
     keep_compiled()
+    calculate_in_one_thread()
     print_anything()
     if arguments is None:
         stop_when_asked()

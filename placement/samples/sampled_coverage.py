@@ -61,6 +61,7 @@ class SampledCoverage:
         self.pair_grid = self.grid[::stride]
         self._stride = stride
         self._weights = profiles.weights.astype(np.float32)
+        self._known: dict[bytes, Float[np.ndarray, " G"]] = {}  # of `worth_with_one_more`: many starts lead to one end
 
     @cached_property
     def _seen(self) -> Float[np.ndarray, "N G"]:
@@ -87,7 +88,13 @@ class SampledCoverage:
 
     def worth_with_one_more(self, angles) -> Float[np.ndarray, " G"]:
         """(n_grid,) `worth` of the (M - 1,) ring angles [rad] and one more camera at each grid angle."""
-        theta = np.asarray(angles, dtype=np.float64)
+        theta = np.sort(np.asarray(angles, dtype=np.float64))
+        key = theta.tobytes()
+        if key not in self._known:
+            self._known[key] = self._with_one_more(theta)
+        return self._known[key].copy()
+
+    def _with_one_more(self, theta: Float[np.ndarray, " M"]) -> Float[np.ndarray, " G"]:
         seen = self.profiles.at(theta)
         count = seen.sum(axis=0)
         threshold = self.demand.threshold

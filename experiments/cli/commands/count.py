@@ -9,6 +9,7 @@ import numpy as np
 from rich.table import Table
 
 import placement
+from exact.workers import background
 from experiments.figures.count import write_count
 from experiments.files.errors import InputError
 from experiments.files.whole import output_folder, written_whole
@@ -20,6 +21,7 @@ from experiments.tables.sites import headings
 from experiments.terminal.console import note, print_json, table, terminal
 from experiments.terminal.progress import progress_stages
 from placement.recommend import fewest_cameras
+from placement.search.search import import_descent
 
 TABLE, PICTURE, LAYOUT = OUTPUTS = ("count.csv", "count.png", "layout.json")
 
@@ -39,6 +41,7 @@ def run(
 ) -> None:
     """Try one number of cameras after another; print and write. `options` are those of the rig, by their keys."""
     checked_target(target)
+    background(import_descent)
     asked = request(meshes, depth, detail, rig_file.rig(rig_path, **options))
     fewest = fewest_cameras(asked.demand, asked.rig.constraints)
     if max_cameras < fewest:
