@@ -41,7 +41,6 @@ def run(
 ) -> None:
     """Try one number of cameras after another; print and write. `options` are those of the rig, by their keys."""
     checked_target(target)
-    background(import_descent)
     asked = request(meshes, depth, detail, rig_file.rig(rig_path, **options))
     fewest = fewest_cameras(asked.demand, asked.rig.constraints)
     if max_cameras < fewest:
@@ -60,6 +59,7 @@ def run(
         if found is not None and found.fraction >= target and not (out / LAYOUT).exists():
             layout_file.write(out / LAYOUT, layout_file.placement_content(found, asked))
 
+    background(import_descent)  # while the site is sampled
     with progress_stages() as progress:
         problem = asked.problem(progress)
         numbers = range(fewest, max_cameras + 1)

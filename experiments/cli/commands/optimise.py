@@ -47,7 +47,6 @@ def run(
 ) -> None:
     """Optimise, print and write; `options` are those of the rig, by the names of their keys."""
     checked_target(target)
-    background(import_descent)
     names = () if export is None else formats.parse_formats(export, "--export", (*formats.FORMATS, "mesh"))
     if any(is_site(name) for name in meshes):
         start_processes(available_cores())  # which takes as long as building a site
@@ -57,6 +56,7 @@ def run(
     names = tuple(name for name in names if name in formats.FORMATS)
     output_folder(out, (*OUTPUTS, *meshes_too, *[REPORT] * with_report), force)
     files = formats.prepare(out, names, force)
+    background(import_descent)  # while the site is sampled
     with progress_stages() as progress:
         problem, (n_cameras, limits) = asked.problem(progress), (asked.rig.n_cameras, asked.rig.constraints)
         # Equidistant rings wait for no search; other processes work on them while this one searches.
