@@ -13,6 +13,8 @@ from exact.errors import ExactError
 SHORTEST, LONGEST = 1e-9, 1e9
 # Farther off [mm] no camera stands: one on the longest ring at the farthest focus is nearer.
 FARTHEST = 4 * LONGEST
+# Pixels of a camera unless it is said otherwise.
+RESOLUTION = (3600, 2400)
 # A rotation written with single precision is still one; a scale or a mirror image is not.
 ROTATION_TOLERANCE = 1e-6
 
@@ -75,6 +77,43 @@ def _matrix(value) -> np.ndarray:
         return np.array(value, dtype=np.float64)
     except (TypeError, ValueError, OverflowError):
         return np.zeros(0)
+
+
+def looking(positions: np.ndarray, target: np.ndarray, ups: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Rotations of cameras that all look at one point, and their distances from it; errors as for `Camera.look_at`.
+
+    Parameters
+    ----------
+    positions, ups : (M, 3) float
+        Where each camera is [mm], and what is upright in its image.
+    target : (3,) float [mm]
+
+    Returns
+    -------
+    rotations : (M, 3, 3) float
+    distances : (M,) float [mm]
+    """
+    distances = _lengths(target - positions)
+    if not distances.all():
+        here = tuple(positions[np.argmin(distances)].tolist())
+        raise ExactError(f"camera position and target are both {here}; they must differ")
+    look = (target - positions) / distances[:, None]
+    right = np.cross(look, ups)
+    # Below this sine the image's upright direction would be rounding noise.
+    unclear = (_lengths(right) <= 1e-9 * _lengths(ups)) | ~ups.any(axis=1)
+    if unclear.any():
+        raise ExactError(
+            f"camera up vector {tuple(ups[np.argmax(unclear)].tolist())} is zero or parallel to the optical axis; "
+            "give any other direction"
+        )
+    right = right / _lengths(right)[:, None]
+    # + 0.0 turns -0.0 into 0.0
+    return np.stack([right, np.cross(look, right), look], axis=1) + 0.0, distances
+
+
+def _lengths(vectors: np.ndarray) -> np.ndarray:
+    """(M,) lengths of (M, 3) vectors, each the same however many there are, to the last bit."""
+    return np.sqrt(np.vecdot(vectors, vectors))
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,7 +187,7 @@ class Camera:
             )
 
     @staticmethod
-    def look_at(position, target, up, fov=(36.0, 24.0), resolution=(3600, 2400)) -> "Camera":
+    def look_at(position, target, up, fov=(36.0, 24.0), resolution=RESOLUTION) -> "Camera":
         """Camera at `position` looking at `target`, its image upright along `up`.
 
         Parameters
@@ -177,19 +216,7 @@ class Camera:
         """
         position, target = _position("camera position", position), _position("camera target", target)
         up = finite_vector("camera up vector", up, 3)
-        distance = float(np.linalg.norm(target - position))
-        if distance == 0.0:
-            raise ExactError(f"camera position and target are both {tuple(position.tolist())}; they must differ")
-        look = (target - position) / distance
-        right = np.cross(look, up)
-        # Below this sine the image's upright direction would be rounding noise.
-        if np.linalg.norm(right) <= 1e-9 * np.linalg.norm(up) or not up.any():
-            raise ExactError(
-                f"camera up vector {tuple(up.tolist())} is zero or parallel to the optical axis; "
-                "give any other direction"
-            )
-        right = right / np.linalg.norm(right)
-        rotation = np.stack([right, np.cross(look, right), look]) + 0.0  # + 0.0 turns -0.0 into 0.0
+        (rotation,), (distance,) = looking(position[None], target, up[None])
         return Camera(position, rotation, distance, fov, resolution)
 
     @property

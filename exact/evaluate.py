@@ -2,10 +2,9 @@
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import as_completed
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import trimesh
 
 from exact.cameras import Camera
 from exact.demand import Criterion
@@ -24,10 +23,13 @@ from exact.visibility.clipping import OVERLAP
 from exact.visibility.coverage import Tally, tally
 from exact.workers import processes
 
+if TYPE_CHECKING:
+    import trimesh
+
 
 @shows(ASKED)
 def evaluate(
-    mesh: trimesh.Trimesh | Scene,
+    mesh: "trimesh.Trimesh | Scene",
     cameras: Sequence[Camera],
     *,
     depth_order: str = "exact",
@@ -102,7 +104,7 @@ def evaluate(
 
 @shows(ASKED)
 def areas(
-    mesh: trimesh.Trimesh | Scene,
+    mesh: "trimesh.Trimesh | Scene",
     layouts: Sequence[Sequence[Camera]],
     *,
     workers: int = 1,

@@ -2,11 +2,10 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import shapely
-import trimesh
 
 from exact.cameras import Camera
 from exact.demand import Criterion
@@ -14,6 +13,9 @@ from exact.predicted.reconstructed import reconstructed
 from exact.requests import ASKED, checked, checked_cameras, shows
 from exact.scene import Scene
 from exact.visibility.coverage import BLOCK, Count, Pieces, add_views, spread_order
+
+if TYPE_CHECKING:
+    import trimesh
 
 
 @shows(ASKED)
@@ -37,6 +39,7 @@ class OneMore:
 
     Examples
     --------
+    >>> import trimesh
     >>> from exact import Ring
     >>> plate = trimesh.Trimesh([[-5, -5, 0], [5, -5, 0], [5, 5, 0], [-5, 5, 0]], [[0, 1, 2], [0, 2, 3]])
     >>> one, two, three = Ring().cameras([0.0, 1.0, 2.0])
@@ -45,7 +48,7 @@ class OneMore:
     (100.0, 100.0)
     """
 
-    def __init__(self, mesh: trimesh.Trimesh | Scene, others: Sequence[Camera], **asked: Any):
+    def __init__(self, mesh: "trimesh.Trimesh | Scene", others: Sequence[Camera], **asked: Any):
         self._scene, self._demand = scene, demand = checked(mesh, asked)
         self._others = others = checked_cameras(others) if len(others) else ()
         demand.refuse_fewer(len(others) + 1)

@@ -8,9 +8,7 @@ import difflib
 import inspect
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import MISSING, fields
-from typing import Any, TypeVar
-
-import trimesh
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from exact import demand, scene
 from exact.cameras import Camera
@@ -18,6 +16,9 @@ from exact.demand import Demand
 from exact.errors import ExactError
 from exact.scene import Scene
 from exact.whole_numbers import is_whole
+
+if TYPE_CHECKING:
+    import trimesh
 
 Asking = TypeVar("Asking", bound=Callable)
 
@@ -32,7 +33,7 @@ def demand_keywords() -> dict[str, Any]:
     return _defaults(demand.Demand)
 
 
-def checked_scene(mesh: trimesh.Trimesh | Scene, asked: Mapping[str, Any]) -> Scene:
+def checked_scene(mesh: "trimesh.Trimesh | Scene", asked: Mapping[str, Any]) -> Scene:
     """The `Scene` itself, or one of a mesh and the keywords of `Scene` among those `asked`."""
     given = {name: asked[name] for name in scene_keywords() if asked.get(name) is not None}
     if not isinstance(mesh, Scene):
@@ -55,7 +56,7 @@ def checked_demand(asked: Mapping[str, Any]) -> Demand:
     return whole
 
 
-def checked(mesh: trimesh.Trimesh | Scene, asked: Mapping[str, Any]) -> tuple[Scene, Demand]:
+def checked(mesh: "trimesh.Trimesh | Scene", asked: Mapping[str, Any]) -> tuple[Scene, Demand]:
     """Scene and demand of a request.
 
     Raises

@@ -6,7 +6,6 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-import trimesh
 
 from exact.cameras import Camera
 from exact.demand import Demand, every_view
@@ -18,7 +17,8 @@ from exact.usable.information import variance
 from exact.visibility.coverage import Pieces, Tally, tally
 from exact.visibility.triangulated import triangulated
 
-if TYPE_CHECKING:  # drawing alone needs matplotlib
+if TYPE_CHECKING:  # making a mesh and drawing alone need these
+    import trimesh
     from matplotlib.axes import Axes
 
 
@@ -143,7 +143,7 @@ class Reconstruction:
         criterion = self.demand.of(self._cameras, self.scene.surface)
         return reconstructed(self.scene.surface, self.scene.counted, self._all_views, criterion)
 
-    def to_mesh(self, level: int | None = None, errors: bool = False) -> trimesh.Trimesh:
+    def to_mesh(self, level: int | None = None, errors: bool = False) -> "trimesh.Trimesh":
         """Reconstructable part of the surface as a mesh; `face_attributes["parent"]` is the face of each triangle.
 
         Parameters
@@ -173,7 +173,7 @@ class Reconstruction:
             shown = seen.pieces.take(np.minimum(seen.pieces.seen.sum(axis=1), self.threshold) == level)
         return triangulated(scene.mesh, np.flatnonzero(whole), shown.face, shown.polygon)[0]
 
-    def _mesh_with_errors(self) -> trimesh.Trimesh:
+    def _mesh_with_errors(self) -> "trimesh.Trimesh":
         whole, pieces = self._accurate
         index = np.flatnonzero(whole)
         mesh, piece = triangulated(self.scene.mesh, index, pieces.face, pieces.polygon)

@@ -15,10 +15,11 @@ Lengths in millimetres, angles in radians, right-handed axes, float64.
 """
 
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
-from exact.cameras import LONGEST, SHORTEST, Camera, finite_vector, length
+from exact.cameras import LONGEST, RESOLUTION, SHORTEST, Camera, finite_vector, length, looking
 from exact.errors import ExactError
 from exact.whole_numbers import is_whole
 
@@ -152,17 +153,35 @@ class Ring:
         Each up vector points to where the plane perpendicular to the optical axis meets the ring's axis, so that
         the image's width is tangential to the ring and its height radial (Wachter 2021, section 2.2).
         """
-        focus = np.array(self.focus)
-        distance_squared = self.working_distance**2 + (self.diameter / 2) ** 2
-        apex = focus + self._frame[:, 2] * (distance_squared / self.working_distance)
+        fov, resolution = np.array(self.fov), np.array(RESOLUTION)
         return tuple(
-            Camera.look_at(position, focus, up=apex - position, fov=self.fov) for position in self.positions(angles)
+            Camera(position, rotation, distance, fov, resolution)
+            for position, rotation, distance in zip(*poses(self, angles), strict=True)
         )
 
     def separations(self, angles) -> np.ndarray:
         """(M, M) chords between all pairs of the (M,) ring angles [mm]."""
         theta = _checked_angles(angles)
         return self.diameter * np.abs(np.sin((theta[:, None] - theta[None, :]) / 2))
+
+
+class Poses(NamedTuple):
+    """How M cameras of a ring stand, as arrays, for those who ask about so many that a `Camera` for each takes long."""
+
+    positions: np.ndarray
+    """(M, 3) [mm]."""
+    rotations: np.ndarray
+    """(M, 3, 3), world to camera."""
+    distances: np.ndarray
+    """(M,) from the focus [mm]."""
+
+
+def poses(ring: Ring, angles) -> Poses:
+    """Poses of `ring.cameras`, for (M,) ring angles [rad]."""
+    focus, positions = np.array(ring.focus), ring.positions(angles)
+    distance_squared = ring.working_distance**2 + (ring.diameter / 2) ** 2
+    apex = focus + ring.frame[:, 2] * (distance_squared / ring.working_distance)
+    return Poses(positions, *looking(positions, focus, apex - positions))
 
 
 def _checked_phase(phase) -> float:

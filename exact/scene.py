@@ -3,21 +3,23 @@
 import hashlib
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary
 
 import numpy as np
-import trimesh
 
 from exact.cameras import finite_vector
 from exact.errors import ExactError
 from exact.visibility.coverage import Tally
 from exact.visibility.light import lit
 from exact.visibility.surface import Surface, prepare
-from meshes import fingerprint
+
+if TYPE_CHECKING:
+    import trimesh
 
 # What was prepared of a mesh, for the next request about the same one. A mesh that was changed has another hash, and is
 # not found again.
-_PREPARED: WeakKeyDictionary[trimesh.Trimesh, Surface] = WeakKeyDictionary()
+_PREPARED: "WeakKeyDictionary[trimesh.Trimesh, Surface]" = WeakKeyDictionary()
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,22 +52,25 @@ class Scene:
 
     Examples
     --------
+    >>> import trimesh
     >>> box = trimesh.creation.box((10, 10, 10))
     >>> scene = Scene(box, exclude=box.face_normals[:, 2] < 0.5)
     >>> float(scene.surface.areas[scene.counted].sum())
     100.0
     """
 
-    mesh: trimesh.Trimesh
+    mesh: "trimesh.Trimesh"
     exclude: np.ndarray | None = None
     weights: np.ndarray | None = None
-    obstacles: tuple[trimesh.Trimesh, ...] = ()
+    obstacles: "tuple[trimesh.Trimesh, ...]" = ()
     lights: tuple[tuple[float, float, float], ...] = ()
-    everything: trimesh.Trimesh = field(init=False, repr=False)
+    everything: "trimesh.Trimesh" = field(init=False, repr=False)
     surface: Surface = field(init=False, repr=False)
     counted: np.ndarray = field(init=False, repr=False)
 
     def __post_init__(self):
+        import trimesh
+
         if not isinstance(self.mesh, trimesh.Trimesh):
             raise ExactError(f"mesh is a {type(self.mesh).__name__}; a trimesh.Trimesh is needed: see meshes.load")
         exclude = _mask(self.exclude, len(self.mesh.faces))
@@ -97,6 +102,8 @@ class Scene:
     @cached_property
     def mesh_hash(self) -> str:
         """Fingerprint of the mesh (`meshes.fingerprint`)."""
+        from meshes import fingerprint
+
         return fingerprint(self.mesh)
 
     @cached_property
@@ -104,6 +111,8 @@ class Scene:
         """SHA-256 of all that an area depends on beside cameras and demand, in hexadecimal."""
         content = hashlib.sha256(self.mesh_hash.encode() + self.counted.tobytes())
         content.update(b"" if self.weights is None else self.weights.tobytes())
+        from meshes import fingerprint
+
         for obstacle in self.obstacles:
             content.update(fingerprint(obstacle).encode())
         content.update(np.array(self.lights).tobytes())
@@ -142,15 +151,17 @@ def forget() -> None:
     _PREPARED.clear()
 
 
-def _surface(mesh: trimesh.Trimesh) -> Surface:
+def _surface(mesh: "trimesh.Trimesh") -> Surface:
     surface = _PREPARED.get(mesh)
     if surface is None:
         surface = _PREPARED[mesh] = prepare(mesh)
     return surface
 
 
-def _obstacles(obstacles) -> tuple[trimesh.Trimesh, ...]:
+def _obstacles(obstacles) -> "tuple[trimesh.Trimesh, ...]":
     """Obstacles, each of which is fit to be one."""
+    import trimesh
+
     found = (obstacles,) if isinstance(obstacles, trimesh.Trimesh) else tuple(obstacles)
     for number, obstacle in enumerate(found, start=1):
         if not isinstance(obstacle, trimesh.Trimesh):
@@ -162,19 +173,23 @@ def _obstacles(obstacles) -> tuple[trimesh.Trimesh, ...]:
     return found
 
 
-def _together(meshes: list[trimesh.Trimesh]) -> trimesh.Trimesh:
+def _together(meshes: "list[trimesh.Trimesh]") -> "trimesh.Trimesh":
     """One mesh of the faces of several, in their order."""
+    import trimesh
+
     first = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes)])
     faces = np.concatenate([mesh.faces + offset for mesh, offset in zip(meshes, first, strict=False)])
     return trimesh.Trimesh(np.concatenate([mesh.vertices for mesh in meshes]), faces, process=False)
 
 
-def _bare(mesh: trimesh.Trimesh) -> trimesh.Trimesh:
+def _bare(mesh: "trimesh.Trimesh") -> "trimesh.Trimesh":
     """Its vertices and faces alone."""
+    import trimesh
+
     return trimesh.Trimesh(mesh.vertices, mesh.faces, process=False)
 
 
-def _outside_out(mesh: trimesh.Trimesh) -> trimesh.Trimesh:
+def _outside_out(mesh: "trimesh.Trimesh") -> "trimesh.Trimesh":
     """A closed mesh with its normals outwards: either way it hides the same."""
     bare = _bare(mesh)
     if bare.is_watertight and bare.volume < 0:

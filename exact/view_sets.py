@@ -6,11 +6,10 @@ cameras do the work.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import shapely
-import trimesh
 
 from exact.cameras import Camera
 from exact.demand import Criterion, Demand, every_view
@@ -29,6 +28,9 @@ from exact.requests import (
 from exact.scene import Scene
 from exact.visibility.coverage import Pieces, Tally, tally
 from exact.visibility.triangulated import triangulated
+
+if TYPE_CHECKING:
+    import trimesh
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,7 +113,7 @@ class ViewSets:
         everyone = np.ones(len(self._cameras), dtype=bool)
         return criterion, everyone if chosen is None else np.asarray(chosen, dtype=bool)
 
-    def to_mesh(self) -> trimesh.Trimesh:
+    def to_mesh(self) -> "trimesh.Trimesh":
         """The counted surface, cut where the set of cameras changes.
 
         Returns
@@ -127,7 +129,9 @@ class ViewSets:
 
 
 @shows(ASKED)
-def view_sets(mesh: trimesh.Trimesh | Scene, cameras: Sequence[Camera], *, workers: int = 1, **asked: Any) -> ViewSets:
+def view_sets(
+    mesh: "trimesh.Trimesh | Scene", cameras: Sequence[Camera], *, workers: int = 1, **asked: Any
+) -> ViewSets:
     """Divide the surface by the set of cameras that see it, exact up to float64 rounding.
 
     Takes longer than `evaluate`, since no part is finished before every camera has been asked, and is meant for up to
@@ -149,6 +153,7 @@ def view_sets(mesh: trimesh.Trimesh | Scene, cameras: Sequence[Camera], *, worke
 
     Examples
     --------
+    >>> import trimesh
     >>> from exact import Ring
     >>> plate = trimesh.Trimesh([[-5, -5, 0], [5, -5, 0], [5, 5, 0], [-5, 5, 0]], [[0, 1, 2], [0, 2, 3]])
     >>> sets = view_sets(plate, Ring().cameras([0.0, 1.0, 2.0]))

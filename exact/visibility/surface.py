@@ -2,14 +2,17 @@
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
-import trimesh
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from exact.errors import ExactError
 from exact.visibility.intersections import Intersections, Planes, intersecting_faces
+
+if TYPE_CHECKING:
+    import trimesh
 
 # A face whose height is below this part of its longest edge has no normal that could be trusted: it counts as area 0.
 THINNEST_FACE = 1e-12
@@ -108,7 +111,7 @@ class Surface:
         return corner[:, 0] + along
 
 
-def prepare(mesh: trimesh.Trimesh) -> Surface:
+def prepare(mesh: "trimesh.Trimesh") -> Surface:
     """Arrays of `mesh` for the evaluator.
 
     Raises

@@ -1,17 +1,23 @@
 """Whole faces and pieces of faces as meshes and polygons in space."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 import shapely
-import trimesh
+
+if TYPE_CHECKING:
+    import trimesh
 
 
 def triangulated(
-    mesh: trimesh.Trimesh, whole: np.ndarray, piece_face: np.ndarray, piece: np.ndarray
-) -> tuple[trimesh.Trimesh, np.ndarray]:
+    mesh: "trimesh.Trimesh", whole: np.ndarray, piece_face: np.ndarray, piece: np.ndarray
+) -> "tuple[trimesh.Trimesh, np.ndarray]":
     """The faces `whole` and the pieces, given in the coordinates of their faces, as one mesh.
 
     Also, for each of the triangles that follow the whole faces, which piece it is from.
     """
+    import trimesh
+
     polygons, owner = shapely.get_parts(piece, return_index=True)
     collections = shapely.constrained_delaunay_triangles(polygons) if len(polygons) else polygons
     triangles, polygon = shapely.get_parts(collections, return_index=True)

@@ -1,11 +1,10 @@
 """What one camera sees."""
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import shapely
-import trimesh
 
 from exact.cameras import Camera
 from exact.demand import Demand
@@ -18,6 +17,9 @@ from exact.visibility.clipping import unite, whole_faces
 from exact.visibility.coverage import tally
 from exact.visibility.projection import image_polygons
 from exact.visibility.triangulated import in_space, triangulated
+
+if TYPE_CHECKING:
+    import trimesh
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +42,7 @@ class View:
     face_areas: np.ndarray
     polygons: np.ndarray
     repairs: int
-    _mesh: trimesh.Trimesh = field(repr=False)
+    _mesh: "trimesh.Trimesh" = field(repr=False)
     _parts: tuple = field(repr=False)
 
     @property
@@ -57,13 +59,13 @@ class View:
         polygons[face] = in_space(self._mesh, face, piece)
         return polygons
 
-    def to_mesh(self) -> trimesh.Trimesh:
+    def to_mesh(self) -> "trimesh.Trimesh":
         """Visible part of the surface, with the face each triangle comes from as `face_attributes["parent"]`."""
         return triangulated(self._mesh, *self._parts)[0]
 
 
 @shows({**scene_keywords(), "limits": Limits(), "optics": Optics()})
-def view(mesh: trimesh.Trimesh | Scene, camera: Camera, **asked: Any) -> View:
+def view(mesh: "trimesh.Trimesh | Scene", camera: Camera, **asked: Any) -> View:
     """What `camera` sees of `mesh`, exactly.
 
     Parameters

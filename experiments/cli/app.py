@@ -4,6 +4,7 @@ How each is called stands in `usage`, what it does in `commands`, which brings t
 answers at once.
 """
 
+import gc
 import sys
 
 import typer
@@ -20,7 +21,12 @@ from experiments.cli.exit_status import (
 )
 from experiments.cli.jax_cache import keep_compiled
 from experiments.cli.memory_limit import ran_out, too_low
+from experiments.cli.one_thread import calculate_in_one_thread
 from experiments.cli.usage import bench, compare, count, evaluate, export, optimise, paper, report, rig, site, study
+
+# Objects made before Python looks for cycles among them again. A fifth of the time that imports take goes into looking,
+# and all that they make stays.
+COLLECT_AFTER = 100_000
 
 app = typer.Typer(
     name="camring",
@@ -56,9 +62,11 @@ def main(arguments: list[str] | None = None) -> None:
     runs in it.
     """
     keep_compiled()
+    calculate_in_one_thread()
     print_anything()
     if arguments is None:
         stop_when_asked()
+        gc.set_threshold(COLLECT_AFTER)
     try:
         status = _status(sys.argv[1:] if arguments is None else arguments)
     except KeyboardInterrupt:  # while it says why it ends

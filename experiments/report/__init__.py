@@ -1,1 +1,3 @@
 """One page about a layout, with the surface in 3-D."""
+
+NAME = "report.html"

@@ -20,7 +20,6 @@ from experiments.tables.layouts import SHARES
 from experiments.tables.robustness import PAIRS_SHOWN_UNTIL, consensus_words
 from experiments.terminal.console import note
 
-NAME = "report.html"
 # What must stand in a layout file to report on it.
 NEEDED = (
     "angles_rad", "areas_mm2", "best_equidistant_phase_deg", "certificate", "constraints", "falloff_mm",

@@ -23,7 +23,7 @@ from embreex.rtcore_scene import EmbreeScene
 from jaxtyping import Bool, Float, Int
 
 import exact
-from exact.ring import MOST_CAMERAS
+from exact.ring import MOST_CAMERAS, Poses, poses
 from exact.whole_numbers import is_whole
 from placement.errors import PlacementError
 from placement.samples.sampling import SurfaceSamples
@@ -216,17 +216,16 @@ class Visibility:
 
     def from_angles(self, samples: SurfaceSamples, ring: exact.Ring, angles) -> Bool[np.ndarray, "M N"]:
         """(M, N) bool: does the camera at each of the (M,) ring angles [rad] see each of the N samples."""
-        cameras = ring.cameras(angles)
-        n_points = len(samples)
-        seen = np.zeros((len(cameras), n_points), dtype=bool)
+        cameras = poses(ring, angles)
+        n_cameras, n_points = len(cameras.positions), len(samples)
+        seen = np.zeros((n_cameras, n_points), dtype=bool)
         if n_points == 0:
             return seen
         step = max(1, RAYS_PER_BATCH // n_points)
-        for first in range(0, len(cameras), step):
-            batch = cameras[first : first + step]
-            which = np.repeat(np.arange(len(batch)), n_points)
-            point = np.tile(np.arange(n_points), len(batch))
-            seen[first : first + step] = self._pairs(samples, batch, which, point).reshape(-1, n_points)
+        for first in range(0, n_cameras, step):
+            batch = np.arange(first, min(first + step, n_cameras))
+            which, point = np.repeat(batch, n_points), np.tile(np.arange(n_points), len(batch))
+            seen[batch] = self._pairs(samples, ring, cameras, which, point).reshape(-1, n_points)
         return seen
 
     def pairs(self, samples: SurfaceSamples, ring: exact.Ring, angles, points) -> Bool[np.ndarray, " P"]:
@@ -237,19 +236,19 @@ class Visibility:
         distinct, which = np.unique(np.asarray(angles, dtype=np.float64), return_inverse=True)
         # Fine bisections ask about more angles than a ring may hold cameras.
         parts = np.split(distinct, range(MOST_CAMERAS, len(distinct), MOST_CAMERAS))
-        cameras = [camera for part in parts for camera in ring.cameras(part)]
-        return self._pairs(samples, cameras, which, points)
+        cameras = Poses(*map(np.concatenate, zip(*(poses(ring, part) for part in parts), strict=True)))
+        return self._pairs(samples, ring, cameras, which, points)
 
     def _pairs(
         self,
         samples: SurfaceSamples,
-        cameras: Sequence[exact.Camera],
+        ring: exact.Ring,
+        cameras: Poses,
         which: Int[np.ndarray, " P"],
         point: Int[np.ndarray, " P"],
     ) -> Bool[np.ndarray, " P"]:
-        positions = np.stack([camera.position for camera in cameras])
-        rotations = np.stack([camera.rotation for camera in cameras])
-        half_extents = np.stack([camera.half_extent for camera in cameras])
+        positions, rotations, distances = cameras
+        half_extents = 0.5 * np.array(ring.fov) / distances[:, None]
 
         to_camera = positions[which] - samples.points[point]
         height = np.einsum("pi,pi->p", to_camera, samples.normals[point])
@@ -260,8 +259,8 @@ class Visibility:
 
         seen = facing & inside
         if self._demand.limits.is_any:  # cameras of one ring differ in nothing that limits depend on
-            distance = np.linalg.norm(to_camera, axis=1)
-            seen &= self._demand.limits.met_at(depth[:, 0], height, distance, cameras[0], self._demand.optics)
+            camera, distance = ring.cameras([0.0])[0], np.linalg.norm(to_camera, axis=1)
+            seen &= self._demand.limits.met_at(depth[:, 0], height, distance, camera, self._demand.optics)
         candidate = np.flatnonzero(seen)
         if len(candidate):
             seen[candidate] = self._reaches(samples.subset(point[candidate]), positions[which[candidate]])

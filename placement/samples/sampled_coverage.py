@@ -63,6 +63,7 @@ class SampledCoverage:
         self.pair_grid = self.grid[::stride]
         self._stride = stride
         self._weights = profiles.weights.astype(np.float32)
+        self._known: dict[bytes, Float[np.ndarray, " G"]] = {}  # of `worth_with_one_more`: many starts lead to one end
 
     @cached_property
     def _seen(self) -> Float[np.ndarray, "N G"]:
@@ -97,7 +98,13 @@ class SampledCoverage:
 
     def worth_with_one_more(self, angles) -> Float[np.ndarray, " G"]:
         """(n_grid,) `worth` of the (M - 1,) ring angles [rad] and one more camera at each grid angle."""
-        theta = np.asarray(angles, dtype=np.float64)
+        theta = np.sort(np.asarray(angles, dtype=np.float64))
+        key = theta.tobytes()
+        if key not in self._known:
+            self._known[key] = self._with_one_more(theta)
+        return self._known[key].copy()
+
+    def _with_one_more(self, theta: Float[np.ndarray, " M"]) -> Float[np.ndarray, " G"]:
         seen = self.profiles.at(theta)
         count = seen.sum(axis=0)
         threshold = self.demand.threshold
@@ -122,7 +129,9 @@ class SampledCoverage:
         done = samples_met(seen, theta, self.demand, self.ring, self.profiles.noise)
         waiting = np.flatnonzero((count >= self.demand.threshold - 1) & ~done)
         now_seen = self._seen[waiting] > 0
-        covered, _ = self._with_one_more(theta, seen[:, waiting], now_seen, self.grid, self.profiles.noise[waiting])
+        covered, _ = self._covered_with_one_more(
+            theta, seen[:, waiting], now_seen, self.grid, self.profiles.noise[waiting]
+        )
         weights = self._weights[waiting] * (self.profiles.site[waiting] == np.arange(self.profiles.n_sites)[:, None])
         won = (weights.astype(np.float32) @ covered.astype(np.float32)).astype(np.float64)
         return _worth(won + self.profiles.sums(done)[:, None])
@@ -135,7 +144,7 @@ class SampledCoverage:
         seen = self.profiles.at(theta)
         which = np.flatnonzero(seen.sum(axis=0) >= self.demand.threshold - 1)
         noise = self.profiles.noise[which]
-        covered, variances = self._with_one_more(theta, seen[:, which], seen_from[which] > 0, grid, noise)
+        covered, variances = self._covered_with_one_more(theta, seen[:, which], seen_from[which] > 0, grid, noise)
         weights = np.where(covered, self.profiles.weights[which, None], 0.0)
         total = weights.sum(axis=0)
         squares = (weights * np.where(covered, variances, 0.0)).sum(axis=0)
@@ -143,7 +152,7 @@ class SampledCoverage:
         site = self.profiles.site[which]
         return _worth(np.stack([weights[site == k].sum(axis=0) for k in range(self.profiles.n_sites)])), error
 
-    def _with_one_more(
+    def _covered_with_one_more(
         self,
         theta: Float[np.ndarray, " M"],
         seen: Bool[np.ndarray, "M W"],

@@ -7,6 +7,7 @@ import trimesh
 from jaxtyping import Bool, Float
 
 import exact
+from exact.ring import poses
 from placement.errors import PlacementError
 from placement.samples.profiles import RingProfiles, Visibility, ring_profiles
 from placement.samples.sampling import SurfaceSamples, sample_surface
@@ -165,10 +166,10 @@ def in_view(corners: Float[np.ndarray, "P 3 3"], ring: exact.Ring) -> Bool[np.nd
     spread = np.hypot(*ring.fov) / 2 / np.hypot(ring.working_distance, ring.diameter / 2)
     reach = (radius + np.pi / VIEW_ANGLES * ring.diameter / 2) * np.hypot(1.0, spread)
     seen = np.zeros(len(corners), dtype=bool)
-    for camera in ring.cameras(ring.equidistant(VIEW_ANGLES)):
-        local = (middle - camera.position) @ camera.rotation.T
+    for position, rotation, distance in zip(*poses(ring, ring.equidistant(VIEW_ANGLES)), strict=True):
+        local = (middle - position) @ rotation.T
         # Turning by half a step also turns the optical axis, by less than the step over the working distance.
-        turned = 2 * np.pi / VIEW_ANGLES * ring.diameter / 2 / camera.target_distance * np.abs(local[:, 2])
+        turned = 2 * np.pi / VIEW_ANGLES * ring.diameter / 2 / distance * np.abs(local[:, 2])
         seen |= np.hypot(local[:, 0], local[:, 1]) <= spread * np.maximum(local[:, 2], 0) + reach + turned
     return seen
 

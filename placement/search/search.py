@@ -15,6 +15,11 @@ if TYPE_CHECKING:
     from placement.surrogate.descent import DescentEnd
 
 
+def import_descent() -> None:
+    """Import what a search needs, JAX with it: a second or two that may pass in a thread, beside other work."""
+    import placement.surrogate.descent  # noqa: F401
+
+
 def search(problem: "Problem", space: LayoutSpace) -> tuple[list[np.ndarray], dict[str, int]]:
     """Distinct layouts, the one that reconstructs most of the samples first, and counts of what happened."""
     if space.n_free == 0:

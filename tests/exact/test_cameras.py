@@ -182,3 +182,17 @@ def test_the_frame_of_a_ring_holds_its_axis_and_the_first_quarter():
     ring = exact.Ring(diameter=2.0, working_distance=5.0, axis=(0.3, -0.4, 0.9))
     local = ring.positions([0.0, np.pi / 2]) @ ring.frame
     assert local == pytest.approx(np.array([[1, 0, 5], [0, 1, 5]]), abs=1e-12)
+
+
+@pytest.mark.parametrize("axis", [(0, 0, 1), (0.3, -0.2, 0.9)])
+def test_a_ring_gives_the_cameras_that_look_at_gives_one_by_one_to_the_last_bit(axis):
+    ring = exact.Ring(diameter=41.7, working_distance=311.3, fov=(30.0, 21.0), focus=(3.3, -7.1, 12.9), axis=axis)
+    angles = np.linspace(-7.0, 7.0, 57)
+    focus, frame = np.array(ring.focus), ring.frame
+    apex = focus + frame[:, 2] * ((311.3**2 + (41.7 / 2) ** 2) / 311.3)
+    for camera, position in zip(ring.cameras(angles), ring.positions(angles), strict=True):
+        alone = exact.Camera.look_at(position, ring.focus, up=apex - position, fov=ring.fov)
+        assert camera.position.tobytes() == alone.position.tobytes()
+        assert camera.rotation.tobytes() == alone.rotation.tobytes()
+        assert camera.target_distance == alone.target_distance
+        assert np.array_equal(camera.fov, alone.fov) and np.array_equal(camera.resolution, alone.resolution)

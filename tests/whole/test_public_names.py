@@ -43,3 +43,11 @@ def test_a_name_that_is_not_there_is_refused():
 
 def test_a_package_travels_to_other_processes_by_its_name():
     assert pickle.loads(pickle.dumps(placement)) is placement
+
+
+def test_what_a_worker_process_imports_leaves_trimesh_out():
+    """It takes longer to import than all that a worker needs."""
+    program = "import sys, exact.workers, exact.evaluate, exact.view_sets; print('trimesh' in sys.modules)"
+    assert (
+        subprocess.run([sys.executable, "-c", program], check=True, capture_output=True, text=True).stdout == "False\n"
+    )

@@ -9,6 +9,7 @@ import numpy as np
 from rich.table import Table
 
 import placement
+from exact.workers import background
 from experiments.figures.count import write_count
 from experiments.files.errors import InputError
 from experiments.files.whole import output_folder, written_whole
@@ -20,6 +21,7 @@ from experiments.tables.sites import headings
 from experiments.terminal.console import note, print_json, table, terminal
 from experiments.terminal.progress import progress_stages
 from placement.recommend import fewest_cameras
+from placement.search.search import import_descent
 
 TABLE, PICTURE, LAYOUT = OUTPUTS = ("count.csv", "count.png", "layout.json")
 
@@ -57,6 +59,7 @@ def run(
         if found is not None and found.fraction >= target and not (out / LAYOUT).exists():
             layout_file.write(out / LAYOUT, layout_file.placement_content(found, asked))
 
+    background(import_descent)  # while the site is sampled
     with progress_stages() as progress:
         problem = asked.problem(progress)
         numbers = range(fewest, max_cameras + 1)

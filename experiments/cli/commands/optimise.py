@@ -11,9 +11,8 @@ import placement
 from exact.workers import available_cores, background, start_processes
 from experiments.exports import coverage_mesh, formats
 from experiments.exports.cameras import named_cameras
-from experiments.figures.coverage import Panel, write_coverage
 from experiments.files.whole import output_folder
-from experiments.report import page as report
+from experiments.report import NAME as REPORT
 from experiments.request import layout_file
 from experiments.request import rig as rig_file
 from experiments.request.meshes import is_site
@@ -24,6 +23,7 @@ from experiments.tables import robustness as robustness_table
 from experiments.tables import sites as site_table
 from experiments.terminal.console import note, print_json, terminal
 from experiments.terminal.progress import progress_stages
+from placement.search.search import import_descent
 
 OUTPUTS = ("layout.json", "layouts.csv", "coverage.png")
 # Sample points for triangulation angles, shared by all meshes and poses, and the fewest that each gets.
@@ -54,8 +54,9 @@ def run(
     asked.check_cameras(asked.rig.n_cameras)
     meshes_too = coverage_mesh.FILES if "mesh" in names else ()
     names = tuple(name for name in names if name in formats.FORMATS)
-    output_folder(out, (*OUTPUTS, *meshes_too, *[report.NAME] * with_report), force)
+    output_folder(out, (*OUTPUTS, *meshes_too, *[REPORT] * with_report), force)
     files = formats.prepare(out, names, force)
+    background(import_descent)  # while the site is sampled
     with progress_stages() as progress:
         problem, (n_cameras, limits) = asked.problem(progress), (asked.rig.n_cameras, asked.rig.constraints)
         # Equidistant rings wait for no search; other processes work on them while this one searches.
@@ -83,8 +84,10 @@ def run(
         if meshes_too:
             files += _write_meshes(out, asked, result)
         if with_report:
-            report.write(out / report.NAME, layout_file.read(out / OUTPUTS[0]), asked.poses[0].scene)
-            files += (report.NAME,)
+            from experiments.report import page
+
+            page.write(out / REPORT, layout_file.read(out / OUTPUTS[0]), asked.poses[0].scene)
+            files += (REPORT,)
     if as_json:
         print_json(content | {"layouts": [layout_table.figures(row) for row in rows]})
     else:
@@ -172,6 +175,8 @@ def _rows(
 
 def _draw(path: Path, asked: Request, result: placement.Placement, layouts: Sequence[Layout]) -> None:
     """The first mesh, or the one of which the layout proposed reconstructs least if the worst was to be raised."""
+    from experiments.figures.coverage import Panel, write_coverage  # matplotlib: while other processes are at work
+
     worst = asked.rig.objective == "worst"
     shown = int(np.argmin([site.fraction for site in result.sites])) if worst else 0
     pose, ring_area = asked.poses[shown], result.sites[shown].ring_area

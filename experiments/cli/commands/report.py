@@ -9,6 +9,7 @@ import exact
 import meshes
 from experiments.files.errors import InputError
 from experiments.files.whole import output_folder
+from experiments.report import NAME
 from experiments.report import page as report
 from experiments.request import layout_file
 from experiments.request.meshes import Subject, exclusion, is_site, subject
@@ -24,14 +25,14 @@ def run(
     made = layout_file.read(layout)
     report.check(made)
     out = layout.parent if out is None else out
-    output_folder(out, [report.NAME], force)
+    output_folder(out, [NAME], force)
     about = _mesh(made, mesh, repair)
     shown = exact.Scene(about.mesh, exclude=_excluded(made, about, exclude))
     with working("writing the report"):
-        report.write(out / report.NAME, made, shown)
+        report.write(out / NAME, made, shown)
     if as_json:
-        print_json({"files": [str(out / report.NAME)]})
-    note(f"wrote {out / report.NAME}")
+        print_json({"files": [str(out / NAME)]})
+    note(f"wrote {out / NAME}")
 
 
 def _mesh(made: layout_file.LayoutFile, mesh: str | None, repair: bool) -> Subject:
