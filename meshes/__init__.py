@@ -1,13 +1,13 @@
 """Load and check a mesh; build the reference sites."""
 
-from meshes.check import check
+from meshes.condition.check import check
 from meshes.errors import MeshError, MeshWarning
 from meshes.file_faces import file_faces
 from meshes.fingerprint import fingerprint
+from meshes.formats.stl import stl_bytes
 from meshes.load import load
 from meshes.sites import DETAILS, SITES, Site, site
 from meshes.standard import EXPECTED, Expected, standard_file
-from meshes.stl import stl_bytes
 from meshes.top_surface import top_surface
 
 __all__ = [

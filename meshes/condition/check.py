@@ -1,12 +1,14 @@
-"""Check a triangle mesh, and repair what can be repaired without guessing."""
+"""Check a triangle mesh, mend what changes no area, and repair what can be repaired without guessing."""
 
 import numpy as np
 import trimesh
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
-from meshes.bodies import inside_out, neighbours
-from meshes.errors import MeshError
+from meshes.condition.bodies import inside_out
+from meshes.condition.neighbours import neighbours
+from meshes.distinct_rows import distinct_rows
+from meshes.errors import REPAIR_CALL, MeshError
 from meshes.file_faces import file_faces, number_faces
 
 # A face flatter than this part of its distance from the origin has a normal of rounding noise in float64.
@@ -19,24 +21,25 @@ LARGEST = 1e9
 def check(mesh: trimesh.Trimesh, repair: bool = False, name: str = "mesh") -> trimesh.Trimesh:
     """Return a mesh on which areas mean something, or say why this one is not.
 
-    Needed: at least one face; finite vertices; no face without area; no face twice; neighbouring faces wound the
-    same way; no closed body inside-out, unless it is a hollow in another. Open meshes are fine. Vertices that no face
-    uses may be anything.
+    Needed: at least one face with area; finite vertices; neighbouring faces wound the same way; no closed body
+    inside-out, unless it is a hollow in another. Open meshes are fine. What changes no area is mended without being
+    asked: faces without area and faces that repeat another go, and so do vertices that no face uses.
 
     Parameters
     ----------
     mesh : trimesh.Trimesh
         Left as it is.
     repair : bool
-        Remove faces without area and repeated ones, wind neighbours the same way, turn closed bodies outside-out.
+        Wind neighbours the same way, turn closed bodies outside-out.
     name : str
         What to call it in messages.
 
     Returns
     -------
     trimesh.Trimesh
-        `mesh` itself, or a copy that is repaired and without vertices that no face uses; in its metadata `watertight`
-        (bool) and `repairs` (list of str). `meshes.file_faces` says which faces of `mesh` a repaired copy still has.
+        `mesh` itself, or a copy that is mended; in its metadata `watertight` (bool), and as lists of str `notes`, what
+        was odd and what was mended, and `repairs`, what `repair` did. `meshes.file_faces` says which faces of `mesh`
+        such a copy still has.
 
     Raises
     ------
@@ -59,20 +62,27 @@ def check(mesh: trimesh.Trimesh, repair: bool = False, name: str = "mesh") -> tr
     vertices, faces = np.asarray(mesh.vertices, dtype=np.float64), np.asarray(mesh.faces, dtype=np.int64)
     _check_not_empty(name, vertices, faces)
     _check_finite(name, vertices, faces)
-    repairs: list[str] = []
+    notes, repairs = list(mesh.metadata.get("notes", ())), []
     number, n_in_file = file_faces(mesh)
     for step in (_flat_faces, _repeated_faces):
-        kept = ~step(name, vertices, faces, repairs, repair)
+        kept = ~step(name, vertices, faces, notes)
         faces, number = faces[kept], number[kept]
+    wound = faces
     for step in (_wind_alike, _turn_outside_out):
-        faces = step(name, vertices, faces, repairs, repair)
-    if repairs:
-        mesh = trimesh.Trimesh(vertices, faces, process=False)
+        wound = step(name, vertices, wound, number, repairs, repair)
+    if unused := int((np.bincount(np.ravel(mesh.faces), minlength=len(vertices)) == 0).sum()):
+        notes.append(f"left out {_count(unused, 'vertex')} of no face")
+    mended = repairs or len(wound) < len(mesh.faces)
+    if mended:
+        metadata = mesh.metadata
+        mesh = trimesh.Trimesh(vertices, wound, process=False)
+        mesh.metadata.update(metadata)
         number_faces(mesh, number, n_in_file)
-    if not mesh.referenced_vertices.all():
-        mesh = mesh if repairs else mesh.copy()
+    if mended or unused:
+        mesh = mesh if mended else mesh.copy()
         mesh.remove_unreferenced_vertices()
-    mesh.metadata["watertight"] = bool(mesh.is_watertight)
+    mesh.metadata["watertight"] = 2 * len(neighbours(wound)[0]) == 3 * len(wound)
+    mesh.metadata["notes"] = notes
     mesh.metadata["repairs"] = repairs
     return mesh
 
@@ -101,7 +111,7 @@ def _altitudes(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
     return np.divide(twice_area, longest, out=np.zeros(len(faces)), where=longest > 0)
 
 
-def _flat_faces(name, vertices, faces, repairs, repair):
+def _flat_faces(name, vertices, faces, notes):
     """(F,) bool: faces without area, which go."""
     distance = np.abs(vertices[faces]).max(axis=(1, 2))
     flat = _altitudes(vertices, faces) <= FLATNESS * distance
@@ -110,46 +120,31 @@ def _flat_faces(name, vertices, faces, repairs, repair):
             f"{name}: all {len(faces)} faces have zero area; needed is at least one face with area. "
             "Were the coordinates exported with too few digits?"
         )
-    if not flat.any():
-        return flat
-    first = int(np.flatnonzero(flat)[0])
-    if not repair:
-        raise MeshError(
-            f"{name}: face {first} has zero area (vertices {', '.join(map(str, faces[first]))}), and so have "
-            f"{int(flat.sum()) - 1} more; `meshes.load(path, repair=True)` removes such faces"
-        )
-    repairs.append(f"removed {_count(int(flat.sum()), 'face')} of zero area")
+    if flat.any():
+        notes.append(f"left out {_count(int(flat.sum()), 'face')} of zero area")
     return flat
 
 
-def _repeated_faces(name, vertices, faces, repairs, repair):
+def _repeated_faces(name, vertices, faces, notes):
     """(F,) bool: faces that were there before, wound the same way, which go: their areas would count twice."""
     start = faces.argmin(axis=1)
     turned = np.take_along_axis(faces, (start[:, None] + np.arange(3)) % 3, axis=1)
-    _, first, inverse = np.unique(turned, axis=0, return_index=True, return_inverse=True)
-    original = first[inverse.ravel()]
-    repeated = original != np.arange(len(faces))
-    again = np.flatnonzero(repeated)
-    if len(again) == 0:
-        return repeated
-    if not repair:
-        raise MeshError(
-            f"{name}: face {again[0]} repeats face {original[again[0]]}, and {len(again) - 1} more faces repeat "
-            "another; each area would count twice. `meshes.load(path, repair=True)` removes repeated faces"
-        )
-    repairs.append(f"removed {_count(len(again), 'repeated face')}")
+    first, kind = distinct_rows(turned)
+    repeated = first[kind] != np.arange(len(faces))
+    if repeated.any():
+        notes.append(f"left out {_count(int(repeated.sum()), 'face')} that repeated another")
     return repeated
 
 
-def _wind_alike(name, vertices, faces, repairs, repair):
+def _wind_alike(name, vertices, faces, number, repairs, repair):
     pairs, alike = neighbours(faces)
     if alike.all():
         return faces
-    first = pairs[~alike][0]
+    first = number[pairs[~alike][0]]
     if not repair:
         raise MeshError(
             f"{name}: neighbouring faces {first[0]} and {first[1]} are wound in opposite senses, and so are "
-            f"{int((~alike).sum()) - 1} more pairs; `meshes.load(path, repair=True)` winds them alike"
+            f"{int((~alike).sum()) - 1} more pairs; {REPAIR_CALL} winds them alike"
         )
     # Two copies of every face, as it is and turned round; neighbours link the copies that agree. A surface that can
     # be wound alike falls apart into two mirrored halves; on a Moebius strip both copies of a face hang together.
@@ -159,7 +154,7 @@ def _wind_alike(name, vertices, faces, repairs, repair):
     links = coo_matrix((np.ones(len(rows)), (rows, columns)), shape=(2 * n, 2 * n))
     label = connected_components(links, directed=False)[1]
     if (label[:n] == label[n:]).any():
-        face = int(np.flatnonzero(label[:n] == label[n:])[0])
+        face = int(number[label[:n] == label[n:]][0])
         raise MeshError(
             f"{name}: the surface through face {face} is one-sided, like a Moebius strip, and has no outside; "
             "cut it into two-sided parts"
@@ -174,7 +169,7 @@ def _wind_alike(name, vertices, faces, repairs, repair):
     return np.where(turned[:, None], faces[:, ::-1], faces)
 
 
-def _turn_outside_out(name, vertices, faces, repairs, repair):
+def _turn_outside_out(name, vertices, faces, number, repairs, repair):
     body, volume, inverted = inside_out(vertices, faces)
     if not inverted.any():
         return faces
@@ -182,7 +177,7 @@ def _turn_outside_out(name, vertices, faces, repairs, repair):
     if not repair:
         raise MeshError(
             f"{name}: closed, but inside-out (its volume is {volume[worst]:.6g}), so that every face is seen from "
-            "behind; `meshes.load(path, repair=True)` turns it outside-out"
+            f"behind; {REPAIR_CALL} turns it outside-out"
         )
     count = int(inverted.sum())
     repairs.append(f"turned {count} {'body' if count == 1 else 'bodies'} outside-out")
@@ -190,4 +185,5 @@ def _turn_outside_out(name, vertices, faces, repairs, repair):
 
 
 def _count(number: int, noun: str) -> str:
-    return f"{number} {noun}{'' if number == 1 else 's'}"
+    many = "vertices" if noun == "vertex" else f"{noun}s"
+    return f"{number} {noun if number == 1 else many}"
