@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import trimesh
+from numpy.typing import ArrayLike
 
 from meshes.condition.check import check
 from meshes.distinct_rows import distinct_rows
@@ -38,11 +39,19 @@ MAGIC = {
 }
 
 
-def load(path: str | os.PathLike, repair: bool = False, scale: float = 1.0) -> trimesh.Trimesh:
-    """Read a triangle mesh from an STL (binary or ASCII), OBJ or PLY file and check it.
+def load(
+    path: str | os.PathLike,
+    repair: bool = False,
+    scale: float = 1.0,
+    *,
+    two_sided: bool = False,
+    seen_from: ArrayLike | None = None,
+) -> trimesh.Trimesh:
+    """Read a triangle mesh from an STL, OBJ, PLY or OFF file and check it.
 
-    Coordinates times `scale` are taken as millimetres. Coincident vertices are merged, polygons of OBJ and PLY files
-    cut into triangles, several objects in one file joined to one mesh; colours, materials and normals are dropped.
+    Coordinates times `scale` are taken as millimetres. Coincident vertices are merged, polygons cut into triangles,
+    several objects in one file joined to one mesh; colours, materials and normals are dropped. A file that is odd but
+    whole is read, one that is cut short is refused.
 
     Parameters
     ----------
@@ -52,12 +61,15 @@ def load(path: str | os.PathLike, repair: bool = False, scale: float = 1.0) -> t
         Put right what can be (see `meshes.check`) instead of refusing it.
     scale : float
         Factor from the file's unit to millimetres: 1000 for a file in metres.
+    two_sided, seen_from : bool, (N, 3) array_like
+        As for `meshes.check`.
 
     Returns
     -------
     trimesh.Trimesh
         Checked as by `meshes.check`. It may be open: `mesh.metadata["watertight"]` says. Faces are in the order of the
-        file, without those that a repair removed: see `meshes.file_faces`.
+        file, without those that were left out; `meshes.file_faces` says which face of the file each is of.
+        `mesh.metadata["notes"]` lists what was odd about the file and what was mended.
 
     Raises
     ------
@@ -97,7 +109,7 @@ def load(path: str | os.PathLike, repair: bool = False, scale: float = 1.0) -> t
         number = np.arange(len(polygons.sizes)) if polygons.number is None else polygons.number
         number_faces(mesh, number[polygon], polygons.n_in_file or len(polygons.sizes))
     mesh.metadata["notes"] = list(polygons.notes)
-    mesh = check(mesh, repair=repair, name=name)
+    mesh = check(mesh, repair, name, two_sided=two_sided, seen_from=seen_from)
     if hint := _unit_hint(mesh, float(scale)):
         warnings.warn(f"{path}: {hint}", MeshWarning, stacklevel=2)
     return mesh

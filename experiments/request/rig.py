@@ -41,7 +41,7 @@ class Rig:
     settings : placement.Settings
     exclude : str or None
         "top", "none", or a file of face indices; None for what is usual for the mesh.
-    repair : bool
+    repair, two_sided : bool
     scale : float
         Factor from the mesh file's unit to millimetres.
     objective : str
@@ -69,6 +69,7 @@ class Rig:
     settings: placement.Settings
     exclude: str | None
     repair: bool
+    two_sided: bool
     scale: float
     objective: str
     site_weights: tuple[float, ...] | None

@@ -2,13 +2,12 @@
 
 import numpy as np
 import trimesh
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
+from numpy.typing import ArrayLike
 
-from meshes.condition.bodies import inside_out
 from meshes.condition.neighbours import neighbours
+from meshes.condition.winding import both_sides, turn_outside_out, wind_alike
 from meshes.distinct_rows import distinct_rows
-from meshes.errors import REPAIR_CALL, MeshError
+from meshes.errors import MeshError
 from meshes.file_faces import file_faces, number_faces
 
 # A face flatter than this part of its distance from the origin has a normal of rounding noise in float64.
@@ -18,7 +17,14 @@ FLATNESS = 1e-12
 LARGEST = 1e9
 
 
-def check(mesh: trimesh.Trimesh, repair: bool = False, name: str = "mesh") -> trimesh.Trimesh:
+def check(
+    mesh: trimesh.Trimesh,
+    repair: bool = False,
+    name: str = "mesh",
+    *,
+    two_sided: bool = False,
+    seen_from: ArrayLike | None = None,
+) -> trimesh.Trimesh:
     """Return a mesh on which areas mean something, or say why this one is not.
 
     Needed: at least one face with area; finite vertices; neighbouring faces wound the same way; no closed body
@@ -30,9 +36,15 @@ def check(mesh: trimesh.Trimesh, repair: bool = False, name: str = "mesh") -> tr
     mesh : trimesh.Trimesh
         Left as it is.
     repair : bool
-        Wind neighbours the same way, turn closed bodies outside-out.
+        Wind neighbours the same way, turn closed bodies outside-out, and open ones to face `seen_from`.
     name : str
         What to call it in messages.
+    two_sided : bool
+        Let each face count from whichever side it is seen, by a second one that is wound the other way: for sheets
+        and for surfaces whose winding means nothing. Closed bodies that are outside-out stay as they are.
+    seen_from : (N, 3) array_like, optional
+        Places from which the surface is looked at, such as those of cameras [mm]. Winding that is mixed where nothing
+        is seen from them changes no area and is mended; a repair turns what looks away from them.
 
     Returns
     -------
@@ -67,12 +79,19 @@ def check(mesh: trimesh.Trimesh, repair: bool = False, name: str = "mesh") -> tr
     for step in (_flat_faces, _repeated_faces):
         kept = ~step(name, vertices, faces, notes)
         faces, number = faces[kept], number[kept]
-    wound = faces
-    for step in (_wind_alike, _turn_outside_out):
-        wound = step(name, vertices, wound, number, repairs, repair)
+    wound, places = faces, None if seen_from is None else np.atleast_2d(np.asarray(seen_from, dtype=np.float64))
+    if two_sided:
+        double = both_sides(vertices, faces)
+        wound, number = np.concatenate([faces, faces[double, ::-1]]), np.concatenate([number, number[double]])
+        first, _ = distinct_rows(_from_their_least_corner(wound))  # those that are there both ways already
+        wound, number = wound[first], number[first]
+        notes += [f"counted {_count(int(double.sum()), 'face')} from both sides"] * bool(double.any())
+    else:
+        for step in (wind_alike, turn_outside_out):
+            wound = step(name, vertices, wound, number, notes, repairs, repair, places)
     if unused := int((np.bincount(np.ravel(mesh.faces), minlength=len(vertices)) == 0).sum()):
         notes.append(f"left out {_count(unused, 'vertex')} of no face")
-    mended = repairs or len(wound) < len(mesh.faces)
+    mended = wound is not faces or len(wound) != len(mesh.faces)
     if mended:
         metadata = mesh.metadata
         mesh = trimesh.Trimesh(vertices, wound, process=False)
@@ -81,7 +100,7 @@ def check(mesh: trimesh.Trimesh, repair: bool = False, name: str = "mesh") -> tr
     if mended or unused:
         mesh = mesh if mended else mesh.copy()
         mesh.remove_unreferenced_vertices()
-    mesh.metadata["watertight"] = 2 * len(neighbours(wound)[0]) == 3 * len(wound)
+    mesh.metadata["watertight"] = 2 * len(neighbours(faces)[0]) == 3 * len(faces)
     mesh.metadata["notes"] = notes
     mesh.metadata["repairs"] = repairs
     return mesh
@@ -127,61 +146,16 @@ def _flat_faces(name, vertices, faces, notes):
 
 def _repeated_faces(name, vertices, faces, notes):
     """(F,) bool: faces that were there before, wound the same way, which go: their areas would count twice."""
-    start = faces.argmin(axis=1)
-    turned = np.take_along_axis(faces, (start[:, None] + np.arange(3)) % 3, axis=1)
-    first, kind = distinct_rows(turned)
+    first, kind = distinct_rows(_from_their_least_corner(faces))
     repeated = first[kind] != np.arange(len(faces))
     if repeated.any():
         notes.append(f"left out {_count(int(repeated.sum()), 'face')} that repeated another")
     return repeated
 
 
-def _wind_alike(name, vertices, faces, number, repairs, repair):
-    pairs, alike = neighbours(faces)
-    if alike.all():
-        return faces
-    first = number[pairs[~alike][0]]
-    if not repair:
-        raise MeshError(
-            f"{name}: neighbouring faces {first[0]} and {first[1]} are wound in opposite senses, and so are "
-            f"{int((~alike).sum()) - 1} more pairs; {REPAIR_CALL} winds them alike"
-        )
-    # Two copies of every face, as it is and turned round; neighbours link the copies that agree. A surface that can
-    # be wound alike falls apart into two mirrored halves; on a Moebius strip both copies of a face hang together.
-    n = len(faces)
-    a, b = pairs.T
-    rows, columns = np.r_[a, a + n], np.r_[np.where(alike, b, b + n), np.where(alike, b + n, b)]
-    links = coo_matrix((np.ones(len(rows)), (rows, columns)), shape=(2 * n, 2 * n))
-    label = connected_components(links, directed=False)[1]
-    if (label[:n] == label[n:]).any():
-        face = int(number[label[:n] == label[n:]][0])
-        raise MeshError(
-            f"{name}: the surface through face {face} is one-sided, like a Moebius strip, and has no outside; "
-            "cut it into two-sided parts"
-        )
-    # Of the two halves of each patch keep the one that turns fewer faces round.
-    patch = np.minimum(label[:n], label[n:])
-    turned = label[:n] != patch
-    size = np.bincount(patch, minlength=2 * n)
-    many = np.bincount(patch, weights=turned, minlength=2 * n) > size / 2
-    turned ^= many[patch]
-    repairs.append(f"turned {_count(int(turned.sum()), 'face')} round to wind all alike")
-    return np.where(turned[:, None], faces[:, ::-1], faces)
-
-
-def _turn_outside_out(name, vertices, faces, number, repairs, repair):
-    body, volume, inverted = inside_out(vertices, faces)
-    if not inverted.any():
-        return faces
-    worst = int(np.argmin(np.where(inverted, volume, np.inf)))
-    if not repair:
-        raise MeshError(
-            f"{name}: closed, but inside-out (its volume is {volume[worst]:.6g}), so that every face is seen from "
-            f"behind; {REPAIR_CALL} turns it outside-out"
-        )
-    count = int(inverted.sum())
-    repairs.append(f"turned {count} {'body' if count == 1 else 'bodies'} outside-out")
-    return np.where(inverted[body][:, None], faces[:, ::-1], faces)
+def _from_their_least_corner(faces: np.ndarray) -> np.ndarray:
+    """Faces (F, 3), turned so that each begins with its least vertex; wound as before."""
+    return np.take_along_axis(faces, (faces.argmin(axis=1)[:, None] + np.arange(3)) % 3, axis=1)
 
 
 def _count(number: int, noun: str) -> str:
