@@ -11,6 +11,7 @@ from exact.demand import Demand
 from exact.scene import Scene
 from exact.visibility.coverage import Tally
 from exact.visibility.triangulated import triangulated
+from meshes import file_faces
 
 if TYPE_CHECKING:  # drawing alone needs matplotlib
     from matplotlib.axes import Axes
@@ -87,7 +88,10 @@ class Reconstruction:
         return show.html(self)
 
     def to_mesh(self, level: int | None = None) -> trimesh.Trimesh:
-        """Reconstructable part of the surface as a mesh; `face_attributes["parent"]` is the face of each triangle.
+        """Reconstructable part of the surface as a mesh.
+
+        `face_attributes["parent"]` is the face of each triangle, `face_attributes["file_face"]` that of the mesh's file
+        (`meshes.file_faces`).
 
         Parameters
         ----------
@@ -108,4 +112,6 @@ class Reconstruction:
             whole &= scene.counted & ~tally.is_cut & (scene.surface.areas > 0)
             pieces = np.minimum(tally.pieces.seen.sum(axis=1), self.threshold) == level
         shown = tally.pieces.take(pieces)
-        return triangulated(scene.mesh, np.flatnonzero(whole), shown.face, shown.polygon)[0]
+        found = triangulated(scene.mesh, np.flatnonzero(whole), shown.face, shown.polygon)[0]
+        found.face_attributes["file_face"] = file_faces(scene.mesh)[0][found.face_attributes["parent"]]
+        return found

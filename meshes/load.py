@@ -95,6 +95,20 @@ def load(
         ...
     meshes.errors.MeshError: no_such_file.stl: no such file; give the path of an STL, OBJ, PLY or OFF file
     """
+    mesh = check(read(path, scale), repair, str(path), two_sided=two_sided, seen_from=seen_from)
+    if hint := unit_hint(float(mesh.extents.max()), float(scale)):
+        warnings.warn(f"{path}: {hint}", MeshWarning, stacklevel=2)
+    return mesh
+
+
+def read(path: str | os.PathLike, scale: float = 1.0) -> trimesh.Trimesh:
+    """A mesh file as it is, for `meshes.inspect`: its faces as triangles, whether areas mean something on them or not.
+
+    Raises
+    ------
+    MeshError
+        If there is no such file, it cannot be read or is cut short.
+    """
     path = Path(path)
     if isinstance(scale, bool) or not isinstance(scale, int | float | np.number) or not 0 < scale < np.inf:
         raise MeshError(f"scale is {scale!r}; needed is a positive number, such as 1000 for a file in metres")
@@ -109,15 +123,11 @@ def load(
         number = np.arange(len(polygons.sizes)) if polygons.number is None else polygons.number
         number_faces(mesh, number[polygon], polygons.n_in_file or len(polygons.sizes))
     mesh.metadata["notes"] = list(polygons.notes)
-    mesh = check(mesh, repair, name, two_sided=two_sided, seen_from=seen_from)
-    if hint := _unit_hint(mesh, float(scale)):
-        warnings.warn(f"{path}: {hint}", MeshWarning, stacklevel=2)
     return mesh
 
 
-def _unit_hint(mesh: trimesh.Trimesh, scale: float) -> str | None:
-    """What the extent of a mesh says against millimetres, if anything."""
-    extent = float(mesh.extents.max())
+def unit_hint(extent: float, scale: float = 1.0) -> str | None:
+    """What the largest side of a mesh [mm] says against millimetres, if anything."""
     if LEAST_EXTENT <= extent <= MOST_EXTENT:
         return None
     unit, factor = LIKELY_IF_LESS if extent < LEAST_EXTENT else LIKELY_IF_MORE

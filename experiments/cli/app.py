@@ -20,7 +20,20 @@ from experiments.cli.exit_status import (
 )
 from experiments.cli.jax_cache import keep_compiled
 from experiments.cli.memory_limit import ran_out, too_low
-from experiments.cli.usage import bench, compare, count, evaluate, export, optimise, paper, report, rig, site, study
+from experiments.cli.usage import (
+    bench,
+    check,
+    compare,
+    count,
+    evaluate,
+    export,
+    optimise,
+    paper,
+    report,
+    rig,
+    site,
+    study,
+)
 
 app = typer.Typer(
     name="camring",
@@ -41,6 +54,7 @@ for declared in (
     export.export,
     report.report,
     site.site,
+    check.check,
     bench.bench,
     paper.paper,
     study.study,

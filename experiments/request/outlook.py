@@ -7,7 +7,7 @@ import trimesh
 
 import exact
 from meshes.condition.facing import Cone, Facing
-from meshes.condition.winding import outlook
+from meshes.condition.winding import inwards, outlook
 
 # Cameras from which the surface is looked at, whatever layout it is for.
 PLACES = 8
@@ -30,11 +30,15 @@ class Outlook:
         How much of it is the back.
     away : int
         Parts of the mesh of which more back than front is seen, if they matter.
+    inwards : int
+        Parts that show the cameras their front and all around their back, if they are less than half of what is seen:
+        of a solid in pieces one that is wound the wrong way does, and of a cavity in pieces each.
     """
 
     in_view: float
     back: float
     away: int
+    inwards: int
 
 
 def places(ring: exact.Ring) -> np.ndarray:
@@ -54,8 +58,11 @@ def seen(mesh: trimesh.Trimesh, ring: exact.Ring) -> Outlook:
     """
     focus = np.array(ring.focus)
     cone = Cone(focus + ring.working_distance * ring.frame[:, 2], focus, 0.5 * float(np.hypot(*ring.fov)))
-    found = outlook(np.asarray(mesh.vertices, dtype=np.float64), np.asarray(mesh.faces), places(ring), cone)
-    return Outlook(round(_in_view(found), 3), round(found.back_share, 3), _away(found))
+    vertices, faces = np.asarray(mesh.vertices, dtype=np.float64), np.asarray(mesh.faces)
+    found = outlook(vertices, faces, places(ring), cone)
+    turned = inwards(vertices, faces) if 1 < len(found.front) else np.zeros(1, dtype=bool)
+    turned &= (found.front > PART_AWAY * found.front.sum()) & (found.front < 0.5 * found.front.sum())
+    return Outlook(round(_in_view(found), 5), round(found.back_share, 5), _away(found), int(turned.sum()))
 
 
 def _in_view(found: Facing) -> float:
@@ -76,6 +83,11 @@ def warnings_about(name: str, mesh: trimesh.Trimesh, ring: exact.Ring) -> list[s
         said.append(
             f"{name}: of the surface that faces the cameras {100 * found.back:.1f} % is its back{parts}, which counts "
             "nothing; --repair turns it if it is wound the wrong way, --two-sided counts both sides"
+        )
+    if found.inwards:
+        said.append(
+            f"{name}: {found.inwards} of its parts show the cameras their front, and all around their back, as the "
+            "inside of a cavity does and a part of a solid that is wound the wrong way; camring check draws both"
         )
     if 0 < found.in_view < IN_VIEW:
         said.append(

@@ -11,7 +11,7 @@ from meshes.distinct_rows import distinct_rows
 # Points on the whole surface, and the fewest on each of its parts.
 POINTS, LEAST_POINTS = 20_000, 12
 # A point is hit if the ray ends this close to it, in parts of its length: Embree computes in single precision.
-NEAR = 1e-4
+NEAR = 2e-5
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,11 +90,20 @@ def facing(
     >>> bool(seen.away[0]), round(float(seen.back[0] / bowl.area), 3)
     (True, 1.0)
     """
+    front, back, total = sides(vertices, faces, part, places, view)
+    return Facing(front.mean(axis=0), back.mean(axis=0), total)
+
+
+def sides(
+    vertices: np.ndarray, faces: np.ndarray, part: np.ndarray, places: np.ndarray, view: Cone | None = None,
+    n_points: int = POINTS,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:  # fmt: skip
+    """The same from each of the (N, 3) places: (N, P) seen from the front and from the back, (P,) in all [mm²]."""
     corners = vertices[faces]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     areas = 0.5 * np.linalg.norm(normals, axis=1)
     total = np.bincount(part, weights=areas)
-    face, worth = _points(areas, part, total)
+    face, worth = _points(areas, part, total, n_points)
     random = np.random.default_rng(0).random((2, len(face)))
     u, v = np.where(random.sum(axis=0) > 1, 1 - random, random)
     a, b, c = corners[face].transpose(1, 0, 2)
@@ -106,22 +115,22 @@ def facing(
     middle = 0.5 * (corners.min(axis=(0, 1)) + corners.max(axis=(0, 1)))
     scene = EmbreeScene()
     TriangleMesh(scene, (corners - middle).astype(np.float32))
-    front, back = np.zeros(len(total)), np.zeros(len(total))
+    front, back = [], []
     for place in np.atleast_2d(places):
         ray = points - place
         side = -np.einsum("nk,nk->n", normals[face], ray)
         start = np.broadcast_to(place - middle, ray.shape).astype(np.float32)
         hit = scene.run(start, ray.astype(np.float32), query="INTERSECT", output=True)
         clear = inside & ((hit["primID"] < 0) | (hit["tfar"] >= 1 - NEAR))
-        front += np.bincount(part[face], weights=worth * (clear & (side > 0)), minlength=len(total))
+        front.append(np.bincount(part[face], weights=worth * (clear & (side > 0)), minlength=len(total)))
         behind = clear & (side < 0) & ~both_ways[face]
-        back += np.bincount(part[face], weights=worth * behind, minlength=len(total))
-    return Facing(front / len(np.atleast_2d(places)), back / len(np.atleast_2d(places)), total)
+        back.append(np.bincount(part[face], weights=worth * behind, minlength=len(total)))
+    return np.array(front), np.array(back), total
 
 
-def _points(areas: np.ndarray, part: np.ndarray, total: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _points(areas: np.ndarray, part: np.ndarray, total: np.ndarray, n_points: int) -> tuple[np.ndarray, np.ndarray]:
     """The face of each point, and the area that it stands for: evenly over each part, more on the larger."""
-    wanted = np.maximum(np.ceil(POINTS * total / max(total.sum(), np.finfo(float).tiny)), LEAST_POINTS).astype(int)
+    wanted = np.maximum(np.ceil(n_points * total / max(total.sum(), np.finfo(float).tiny)), LEAST_POINTS).astype(int)
     wanted[total <= 0] = 0
     order = np.argsort(part, kind="stable")
     along = np.cumsum(areas[order])

@@ -3,9 +3,15 @@
 import numpy as np
 
 from meshes.condition.bodies import inside_out
-from meshes.condition.facing import Cone, Facing, facing
+from meshes.condition.facing import Cone, Facing, facing, sides
 from meshes.condition.neighbours import connected, neighbours
 from meshes.errors import REPAIR_CALL, TWO_SIDED_CALL, MeshError
+
+# Places all around, and how far away, in sizes of the mesh; and how many times more of one side than of the other is
+# seen from there of what has an outside: of a flat sheet as much of both, of a half sphere twice as much.
+AROUND, DISTANCE, CLEARLY = 48, 10.0, 1.5
+# Enough points to tell which way a body is turned.
+FEW_POINTS = 2_000
 
 
 def halves(faces: np.ndarray, pairs: np.ndarray, alike: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -41,9 +47,9 @@ def wind_alike(
     name: str, vertices: np.ndarray, faces: np.ndarray, number: np.ndarray, notes: list[str], repairs: list[str],
     repair: bool, places: np.ndarray | None,
 ) -> np.ndarray:  # fmt: skip
-    """Faces wound like their neighbours; where nobody sees it this changes no area, and needs no repair.
+    """Faces wound like their neighbours: of the two halves of a body that are wound unlike, the smaller is turned.
 
-    Of the two halves of a body the one is turned that looks away from `places`, or, where nobody looks, the smaller.
+    Where one of them is not seen from `places`, that one is, which changes no area and needs no repair.
 
     Raises
     ------
@@ -57,15 +63,14 @@ def wind_alike(
     size, many = np.bincount(body, minlength=n_bodies), np.bincount(body, weights=half, minlength=n_bodies)
     turn_half = many <= size / 2  # else the other half
     unseen = False
-    if places is not None:
+    mixed = np.bincount(body[pairs[~alike, 0]], minlength=n_bodies) > 0
+    if places is not None and not (repair or one_sided.any()):
         seen = facing(vertices, faces, 2 * body + half, places)
-        front, back = (np.resize(np.append(one, [0, 0]), (n_bodies, 2)) for one in (seen.front, seen.back))
-        turned_half, turned_rest = front[:, 0] + back[:, 1], front[:, 1] + back[:, 0]
-        decided = turned_half != turned_rest
-        turn_half[decided] = (turned_half > turned_rest)[decided]
-        looked_at = (front + back)[np.arange(n_bodies), np.where(turn_half, 1, 0)]
-        mixed = np.bincount(body[pairs[~alike, 0]], minlength=n_bodies) > 0
-        unseen = not one_sided.any() and not looked_at[mixed].any()
+        looked_at = np.zeros(2 * n_bodies, dtype=bool)
+        looked_at[: len(seen.front)] = seen.front + seen.back > 0
+        looked_at = looked_at.reshape(n_bodies, 2)
+        turn_half = np.where(looked_at[:, 0] == looked_at[:, 1], turn_half, looked_at[:, 0])
+        unseen = not looked_at[mixed].all(axis=1).any()
     first = number[pairs[~alike][0]]
     if not (repair or unseen):
         raise MeshError(
@@ -80,7 +85,7 @@ def wind_alike(
             f"both sides with {TWO_SIDED_CALL}"
         )
     turned = half == turn_half[body]
-    turned &= (np.bincount(body[pairs[~alike, 0]], minlength=n_bodies) > 0)[body]
+    turned &= mixed[body]
     told, why = (notes, ", which nobody sees") if unseen else (repairs, "")
     told.append(f"turned {_faces(int(turned.sum()))} round to wind all alike{why}")
     return np.where(turned[:, None], faces[:, ::-1], faces)
@@ -109,6 +114,8 @@ def turn_outside_out(
         edges = np.bincount(pairs.ravel(), minlength=len(faces))
         is_open = np.bincount(body, weights=edges < 3, minlength=len(volume)) > 0
         away = facing(vertices, faces, body, places).away & is_open
+        if away.any():
+            _refuse_to_guess(name, vertices, faces, number, body, away)
         inverted = inverted | away
     if not inverted.any():
         return faces
@@ -119,6 +126,29 @@ def turn_outside_out(
         faces_turned = int((inverted & ~closed_inverted)[body].sum())
         repairs.append(f"turned {parts} ({_faces(faces_turned)}) to face the cameras")
     return np.where(inverted[body][:, None], faces[:, ::-1], faces)
+
+
+def _refuse_to_guess(name, vertices, faces, number, body, away) -> None:
+    """Refuse a surface that shows its back to the cameras and clearly its front to all the world around."""
+    around = facing(vertices, faces, body, sphere_around(vertices[faces].reshape(-1, 3)))
+    doubtful = away & (around.front > CLEARLY * around.back)
+    if doubtful.any():
+        own = number[doubtful[body]]
+        raise MeshError(
+            f"{name}: the open surface through face {own[0]} ({_faces(len(own))}) shows its back to the cameras, and "
+            "its front to all around: a cavity wound the wrong way, or a shell of which a part is missing. "
+            f"{TWO_SIDED_CALL} counts both sides"
+        )
+
+
+def sphere_around(points: np.ndarray, number: int = AROUND) -> np.ndarray:
+    """Places evenly all around points (N, 3), far away: (`number`, 3)."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    k = np.arange(number) + 0.5  # a spiral from pole to pole (Fibonacci)
+    height, turn = 1 - 2 * k / number, k * np.pi * (3 - np.sqrt(5))
+    across = np.sqrt(1 - height**2)
+    directions = np.column_stack([across * np.cos(turn), across * np.sin(turn), height])
+    return 0.5 * (low + high) + DISTANCE * np.linalg.norm(high - low) * directions
 
 
 def both_sides(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
@@ -139,6 +169,17 @@ def outlook(vertices: np.ndarray, faces: np.ndarray, places: np.ndarray, view: C
     pairs, _ = neighbours(faces)
     _, body = connected(pairs, len(faces))
     return facing(vertices, faces, body, places, view)
+
+
+def inwards(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """(B,) bool: bodies, numbered as by `outlook`, that show clearly more of their back than of their front all around.
+
+    A cavity does so, and a part of a solid that is wound the wrong way.
+    """
+    pairs, _ = neighbours(faces)
+    _, body = connected(pairs, len(faces))
+    front, back, _ = sides(vertices, faces, body, sphere_around(vertices[faces].reshape(-1, 3)), n_points=FEW_POINTS)
+    return back.sum(axis=0) > CLEARLY * front.sum(axis=0)
 
 
 def _faces(number: int) -> str:

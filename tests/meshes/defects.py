@@ -78,15 +78,11 @@ def patch(mesh, rng):
 
 
 def island(mesh, rng):
-    """A patch is wound the other way, with a gap around it."""
-    middle = mesh.triangles_center
-    away = np.linalg.norm(middle - middle[rng.integers(len(middle))], axis=1)
-    inner, outer = np.quantile(away, sorted(rng.uniform(0.1, 0.8, 2)))
-    kept = (away <= inner) | (away >= outer)
-    touching = np.isin(mesh.faces, mesh.faces[away <= inner]).any(axis=1)
-    kept &= ~(touching & (away > inner))
+    """A patch is wound the other way, with a gap around it that is a face wide."""
+    inner = near(mesh, rng, rng.uniform(0.05, 0.8))
+    kept = inner | ~np.isin(mesh.faces, mesh.faces[inner]).any(axis=1)
     right = mesh_of(mesh.vertices, mesh.faces[kept])
-    return Defect(mesh_of(mesh.vertices, turned(right.faces, (away <= inner)[kept])), right)
+    return Defect(mesh_of(mesh.vertices, turned(right.faces, inner[kept])), right)
 
 
 def doubled(mesh, rng):
