@@ -144,7 +144,10 @@ class Reconstruction:
         return reconstructed(self.scene.surface, self.scene.counted, self._all_views, criterion)
 
     def to_mesh(self, level: int | None = None, errors: bool = False) -> "trimesh.Trimesh":
-        """Reconstructable part of the surface as a mesh; `face_attributes["parent"]` is the face of each triangle.
+        """Reconstructable part of the surface as a mesh.
+
+        `face_attributes["parent"]` is the face of each triangle, `face_attributes["file_face"]` that of the mesh's file
+        (`meshes.file_faces`).
 
         Parameters
         ----------
@@ -171,12 +174,20 @@ class Reconstruction:
             whole = np.minimum(seen.whole_seen.sum(axis=1), self.threshold) == level
             whole &= scene.counted & ~seen.is_cut & (scene.surface.areas > 0)
             shown = seen.pieces.take(np.minimum(seen.pieces.seen.sum(axis=1), self.threshold) == level)
-        return triangulated(scene.mesh, np.flatnonzero(whole), shown.face, shown.polygon)[0]
+        return self._triangulated(np.flatnonzero(whole), shown)[0]
+
+    def _triangulated(self, whole: np.ndarray, pieces: Pieces) -> "tuple[trimesh.Trimesh, np.ndarray]":
+        """The faces and pieces as a mesh, and which piece each triangle after the whole faces is from."""
+        from meshes import file_faces  # what reads files is heavy, and areas need none of it
+
+        mesh, piece = triangulated(self.scene.mesh, whole, pieces.face, pieces.polygon)
+        mesh.face_attributes["file_face"] = file_faces(self.scene.mesh)[0][mesh.face_attributes["parent"]]
+        return mesh, piece
 
     def _mesh_with_errors(self) -> "trimesh.Trimesh":
         whole, pieces = self._accurate
         index = np.flatnonzero(whole)
-        mesh, piece = triangulated(self.scene.mesh, index, pieces.face, pieces.polygon)
+        mesh, piece = self._triangulated(index, pieces)
         seen = np.concatenate([self._all_views.whole_seen[index], pieces.seen[piece]])
         predictor, face = self.demand.predictor(self._cameras, self.scene.surface), mesh.face_attributes["parent"]
         total = predictor.totals(np.asarray(mesh.triangles_center), seen)

@@ -1,13 +1,14 @@
 """Load and check a mesh; build the reference sites."""
 
-from meshes.check import check
+from meshes.condition.check import check
+from meshes.condition.inspection import Inspection, inspect
 from meshes.errors import MeshError, MeshWarning
 from meshes.file_faces import file_faces
 from meshes.fingerprint import fingerprint
-from meshes.load import load
+from meshes.formats.stl import stl_bytes
+from meshes.load import load, read
 from meshes.sites import DETAILS, SITES, Site, site
 from meshes.standard import EXPECTED, Expected, standard_file
-from meshes.stl import stl_bytes
 from meshes.top_surface import top_surface
 
 __all__ = [
@@ -15,13 +16,16 @@ __all__ = [
     "EXPECTED",
     "SITES",
     "Expected",
+    "Inspection",
     "MeshError",
     "MeshWarning",
     "Site",
     "check",
     "file_faces",
     "fingerprint",
+    "inspect",
     "load",
+    "read",
     "site",
     "standard_file",
     "stl_bytes",

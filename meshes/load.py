@@ -1,19 +1,26 @@
 """Load a mesh file: is it there, is it a mesh, and then `meshes.check`."""
 
-import io
 import os
-import re
 import warnings
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import trimesh
+from numpy.typing import ArrayLike
 
-from meshes.check import check
+from meshes.condition.check import check
+from meshes.distinct_rows import distinct_rows
 from meshes.errors import MeshError, MeshWarning
-from meshes.stl import read_stl
+from meshes.file_faces import number_faces
+from meshes.formats.obj import read_obj
+from meshes.formats.off import read_off
+from meshes.formats.ply import read_ply
+from meshes.formats.polygons import Polygons
+from meshes.formats.stl import read_stl
+from meshes.formats.triangles import triangles_of
 
-FORMATS = (".stl", ".obj", ".ply")
+READERS = {".stl": read_stl, ".obj": read_obj, ".ply": read_ply, ".off": read_off}
 
 # Largest extents [mm] outside of which a mesh is more likely in another unit, with that unit's name and its factor to
 # millimetres. Nothing that a ring of cameras looks at is below a millimetre or above ten metres.
@@ -32,11 +39,19 @@ MAGIC = {
 }
 
 
-def load(path: str | os.PathLike, repair: bool = False, scale: float = 1.0) -> trimesh.Trimesh:
-    """Read a triangle mesh from an STL (binary or ASCII), OBJ or PLY file and check it.
+def load(
+    path: str | os.PathLike,
+    repair: bool = False,
+    scale: float = 1.0,
+    *,
+    two_sided: bool = False,
+    seen_from: ArrayLike | None = None,
+) -> trimesh.Trimesh:
+    """Read a triangle mesh from an STL, OBJ, PLY or OFF file and check it.
 
-    Coordinates times `scale` are taken as millimetres. Coincident vertices are merged, polygons of OBJ and PLY files
-    cut into triangles, several objects in one file joined to one mesh; colours, materials and normals are dropped.
+    Coordinates times `scale` are taken as millimetres. Coincident vertices are merged, polygons cut into triangles,
+    several objects in one file joined to one mesh; colours, materials and normals are dropped. A file that is odd but
+    whole is read, one that is cut short is refused.
 
     Parameters
     ----------
@@ -46,12 +61,15 @@ def load(path: str | os.PathLike, repair: bool = False, scale: float = 1.0) -> t
         Put right what can be (see `meshes.check`) instead of refusing it.
     scale : float
         Factor from the file's unit to millimetres: 1000 for a file in metres.
+    two_sided, seen_from : bool, (N, 3) array_like
+        As for `meshes.check`.
 
     Returns
     -------
     trimesh.Trimesh
         Checked as by `meshes.check`. It may be open: `mesh.metadata["watertight"]` says. Faces are in the order of the
-        file, without those that a repair removed: see `meshes.file_faces`.
+        file, without those that were left out; `meshes.file_faces` says which face of the file each is of.
+        `mesh.metadata["notes"]` lists what was odd about the file and what was mended.
 
     Raises
     ------
@@ -75,30 +93,41 @@ def load(path: str | os.PathLike, repair: bool = False, scale: float = 1.0) -> t
     >>> load("no_such_file.stl")
     Traceback (most recent call last):
         ...
-    meshes.errors.MeshError: no_such_file.stl: no such file; give the path of an STL, OBJ or PLY file
+    meshes.errors.MeshError: no_such_file.stl: no such file; give the path of an STL, OBJ, PLY or OFF file
     """
-    path = Path(path)
-    if isinstance(scale, bool) or not isinstance(scale, int | float | np.number) or not 0 < scale < np.inf:
-        raise MeshError(f"scale is {scale!r}; needed is a positive number, such as 1000 for a file in metres")
-    data = _read(path)
-    suffix = path.suffix.lower()
-    if suffix == ".stl":
-        corners = read_stl(path, data)
-        vertices, faces = corners.reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3)
-    else:
-        vertices, faces = _read_with_trimesh(path, data, suffix)
-    mesh = _merged(path, vertices, faces)
-    with np.errstate(over="ignore"):  # the check then says which vertex is not finite
-        mesh.vertices *= float(scale)  # a factor of 1 changes no bit
-    mesh = check(mesh, repair=repair, name=str(path))
-    if hint := _unit_hint(mesh, float(scale)):
+    mesh = check(read(path, scale), repair, str(path), two_sided=two_sided, seen_from=seen_from)
+    if hint := unit_hint(float(mesh.extents.max()), float(scale)):
         warnings.warn(f"{path}: {hint}", MeshWarning, stacklevel=2)
     return mesh
 
 
-def _unit_hint(mesh: trimesh.Trimesh, scale: float) -> str | None:
-    """What the extent of a mesh says against millimetres, if anything."""
-    extent = float(mesh.extents.max())
+def read(path: str | os.PathLike, scale: float = 1.0) -> trimesh.Trimesh:
+    """A mesh file as it is, for `meshes.inspect`: its faces as triangles, whether areas mean something on them or not.
+
+    Raises
+    ------
+    MeshError
+        If there is no such file, it cannot be read or is cut short.
+    """
+    path = Path(path)
+    if isinstance(scale, bool) or not isinstance(scale, int | float | np.number) or not 0 < scale < np.inf:
+        raise MeshError(f"scale is {scale!r}; needed is a positive number, such as 1000 for a file in metres")
+    name = str(path)
+    data = _read(path)
+    polygons = _in_one_place(READERS[path.suffix.lower()](name, data).checked(name))
+    faces, polygon = triangles_of(name, polygons)
+    with np.errstate(over="ignore"):  # the check then says which vertex is not finite
+        vertices = polygons.vertices * float(scale)  # a factor of 1 changes no bit
+    mesh = trimesh.Trimesh(vertices, faces, process=False)
+    if len(faces) != len(polygons.sizes) or polygons.number is not None:
+        number = np.arange(len(polygons.sizes)) if polygons.number is None else polygons.number
+        number_faces(mesh, number[polygon], polygons.n_in_file or len(polygons.sizes))
+    mesh.metadata["notes"] = list(polygons.notes)
+    return mesh
+
+
+def unit_hint(extent: float, scale: float = 1.0) -> str | None:
+    """What the largest side of a mesh [mm] says against millimetres, if anything."""
     if LEAST_EXTENT <= extent <= MOST_EXTENT:
         return None
     unit, factor = LIKELY_IF_LESS if extent < LEAST_EXTENT else LIKELY_IF_MORE
@@ -111,12 +140,12 @@ def _unit_hint(mesh: trimesh.Trimesh, scale: float) -> str | None:
 def _read(path: Path) -> bytes:
     """All bytes of the file, if it is a file of a known kind."""
     if not os.path.exists(path):  # unlike pathlib's, it says no to a name that cannot be
-        raise MeshError(f"{path}: no such file; give the path of an STL, OBJ or PLY file")
+        raise MeshError(f"{path}: no such file; give the path of an STL, OBJ, PLY or OFF file")
     if not path.is_file():
-        raise MeshError(f"{path}: a {'folder' if path.is_dir() else 'device'}; give an STL, OBJ or PLY file")
-    if path.suffix.lower() not in FORMATS:
+        raise MeshError(f"{path}: a {'folder' if path.is_dir() else 'device'}; give an STL, OBJ, PLY or OFF file")
+    if path.suffix.lower() not in READERS:
         raise MeshError(
-            f'{path}: ends in "{path.suffix}"; needed is a mesh that ends in .stl, .obj or .ply. '
+            f'{path}: ends in "{path.suffix}"; needed is a mesh that ends in .stl, .obj, .ply or .off. '
             "Export it in one of these formats"
         )
     try:
@@ -129,80 +158,19 @@ def _read(path: Path) -> bytes:
         raise MeshError(f"{path}: 0 bytes; needed is a mesh. Copy or export it again")
     for magic, kind in MAGIC.items():
         if data[: len(magic)].lower() == magic.lower():
-            raise MeshError(f"{path}: {kind}, not a mesh; unpack it, or give the STL, OBJ or PLY file itself")
+            raise MeshError(f"{path}: {kind}, not a mesh; unpack it, or give the STL, OBJ, PLY or OFF file itself")
+    start = data.lstrip()[:4].upper()
+    for kind, ending in (("PLY", ".ply"), ("OFF", ".off")):
+        if start in (f"{kind}\n".encode(), f"{kind}\r".encode()) and path.suffix.lower() != ending:
+            article = "an" if kind == "OFF" else "a"
+            raise MeshError(f"{path}: {article} {kind} file by its content; give it a name that ends in {ending}")
     return data
 
 
-def _read_with_trimesh(path: Path, data: bytes, suffix: str) -> tuple[np.ndarray, np.ndarray]:
-    """Vertices (V, 3) and faces (F, 3) of an OBJ or PLY file, as trimesh reads it."""
-    announced = _announced_by_ply(path, data) if suffix == ".ply" else {}
-    options = {"skip_materials": True} if suffix == ".obj" else {}
-    if suffix == ".obj":
-        data = re.sub(rb"usemtl[ \t][^\r\n]*", b"", data)  # by which trimesh would reorder the faces
-    if suffix == ".obj" and (
-        zero := re.search(rb"^f[ \t](?:.*[ \t])?0+(?:/\S*)?[ \t\r]*$|^f[ \t]+(?:.*[ \t])?0+[/ \t]", data, re.M)
-    ):
-        # trimesh takes vertex 0 for vertex 1.
-        line = data.count(b"\n", 0, zero.start()) + 1
-        raise MeshError(f"{path}: line {line} refers to vertex 0; OBJ files count from 1. Export the file again")
-    try:
-        with warnings.catch_warnings():
-            # numpy only warns when it meets a word for a number, and returns the part before it.
-            warnings.filterwarnings("error", message="string or file could not be read to its end")
-            mesh = trimesh.load_mesh(io.BytesIO(data), file_type=suffix[1:], process=False, **options)
-    # trimesh lets through whatever its parsers stumble over: ValueError, IndexError, KeyError, ImportError, ...
-    except Exception as error:
-        raise MeshError(
-            f"{path}: not a readable {suffix[1:].upper()} file ({type(error).__name__}: {str(error)[:120]}). "
-            "Open it in a mesh program and export it again"
-        ) from error
-    vertices, faces = np.asarray(mesh.vertices, dtype=np.float64), np.asarray(mesh.faces, dtype=np.int64).reshape(-1, 3)
-    n_faces, n_vertices = len(faces), len(vertices)
-    if n_faces < announced.get("face", 0) or (n_faces and n_vertices < announced.get("vertex", 0)):
-        raise MeshError(
-            f"{path}: the header announces {announced['vertex']} vertices and {announced['face']} faces, but the "
-            f"file holds {n_vertices} and {n_faces}. It is cut short or damaged; copy or export it again"
-        )
-    return vertices, faces
-
-
-def _announced_by_ply(path: Path, data: bytes) -> dict[str, int]:
-    """Numbers of vertices and faces a PLY header announces, if the file is large enough for them."""
-    header, end, body = data.partition(b"end_header")
-    if not (header.startswith(b"ply") and end):
-        raise MeshError(f'{path}: no PLY header ("ply" ... "end_header"); the file is damaged or of another kind')
-    announced = {
-        name.decode("ascii"): int(count)
-        for name, count in re.findall(rb"^element\s+(vertex|face)\s+(-?\d+)", header, flags=re.MULTILINE)
-    }
-    if min(announced.values(), default=0) < 0 or sum(announced.values()) > len(body):
-        raise MeshError(
-            f"{path}: the header announces {announced.get('vertex', 0)} vertices and {announced.get('face', 0)} "
-            f"faces, but only {len(body)} bytes follow. The file is cut short or damaged; copy or export it again"
-        )
-    return {"vertex": 0, "face": 0} | announced
-
-
-def _merged(path: Path, vertices: np.ndarray, faces: np.ndarray) -> trimesh.Trimesh:
-    """Build a bare mesh with coincident vertices merged."""
-    if len(faces) == 0:
-        return trimesh.Trimesh(np.zeros((len(vertices), 3)), np.zeros((0, 3), dtype=np.int64), process=False)
-    if vertices.shape[1:] != (3,):
-        raise MeshError(f"{path}: vertices have {vertices.shape[1]} coordinates; needed are three (x, y, z)")
-    wrong = np.flatnonzero(((faces < 0) | (faces >= len(vertices))).any(axis=1))
-    if len(wrong):
-        corners = ", ".join(str(index) for index in faces[wrong[0]])
-        raise MeshError(
-            f"{path}: face {wrong[0]} refers to vertices {corners}, but there are vertices 0 to "
-            f"{len(vertices) - 1} only. The file is damaged; export it again"
-        )
-    if not np.isfinite(vertices[faces]).all():  # the check shall name the vertex by its number in the file
-        return trimesh.Trimesh(vertices, faces, process=False)
-    # Exactly equal ones only, and not by trimesh, which counts in steps of 1e-8 that overflow for large numbers.
-    # Adding zero turns -0.0, which has other bytes, into 0.0.
-    rows = np.ascontiguousarray(vertices + 0.0).view(np.dtype((np.void, 24))).ravel()
-    _, first, inverse = np.unique(rows, return_index=True, return_inverse=True)
-    order = np.argsort(first)  # as in the file
-    number = np.empty_like(order)
-    number[order] = np.arange(len(order))
-    return trimesh.Trimesh(vertices[first[order]], number[inverse][faces], process=False)
+def _in_one_place(polygons: Polygons) -> Polygons:
+    """Vertices in the very same place are one."""
+    vertices = polygons.vertices
+    if len(polygons.sizes) == 0 or not np.isfinite(vertices[polygons.corners]).all():
+        return polygons  # the check shall name the vertex by its number in the file
+    first, number = distinct_rows(vertices)
+    return replace(polygons, vertices=vertices[first] + 0.0, corners=number[polygons.corners])

@@ -11,7 +11,7 @@ import numpy as np
 import trimesh
 
 from meshes.anatomy import Anatomy, Opening
-from meshes.check import check
+from meshes.condition.check import check
 from meshes.errors import MeshError
 from meshes.further_anatomy import CEREBELLOPONTINE, EYE_ANTERIOR, GLIOBLASTOMA, SPINE_DISC
 from meshes.paper_anatomy import PAPER_ANATOMY

@@ -12,8 +12,8 @@ import trimesh
 
 from meshes.errors import MeshError
 from meshes.fingerprint import fingerprint
+from meshes.formats.stl import stl_bytes
 from meshes.sites import DETAILS, SITES, site
-from meshes.stl import stl_bytes
 
 DATA = Path(__file__).parent / "data"
 TABLE = DATA / "expected.csv"

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 # A face whose height is below this part of its longest edge has no normal that could be trusted: it counts as area 0.
 THINNEST_FACE = 1e-12
+# A closed mesh of less volume than this, in parts of that of its cones, has none: a sheet with both its sides.
+NO_VOLUME = 1e-12
 # Below this angle [rad] an edge counts as flat rather than concave; flat edges keep their silhouettes.
 FLAT = 1e-9
 
@@ -153,7 +155,8 @@ def _build(points: np.ndarray, faces: np.ndarray) -> Surface:
     shell = connected_components(graph, directed=False)[1]
     # Relative to the first vertex: the volume of a closed mesh is the same from any point, the rounding is not.
     arm = vertices[faces] - vertices[0]
-    if closed and (np.cross(arm[:, 0], arm[:, 1]) * arm[:, 2]).sum() < 0:
+    cones = (np.cross(arm[:, 0], arm[:, 1]) * arm[:, 2]).sum(axis=1)
+    if closed and cones.sum() < -NO_VOLUME * np.abs(cones).sum():
         raise ExactError("the mesh is closed and inside out: all its normals point inwards; meshes.load(path, "
                          "repair=True) turns it, or call mesh.invert()")  # fmt: skip
     concave = _is_concave(vertices, faces, normals, edges, edge_faces)

@@ -22,7 +22,20 @@ from experiments.cli.exit_status import (
 from experiments.cli.jax_cache import keep_compiled
 from experiments.cli.memory_limit import ran_out, too_low
 from experiments.cli.one_thread import calculate_in_one_thread
-from experiments.cli.usage import bench, compare, count, evaluate, export, optimise, paper, report, rig, site, study
+from experiments.cli.usage import (
+    bench,
+    check,
+    compare,
+    count,
+    evaluate,
+    export,
+    optimise,
+    paper,
+    report,
+    rig,
+    site,
+    study,
+)
 
 # Objects made before Python looks for cycles among them again. A fifth of the time that imports take goes into looking,
 # and all that they make stays.
@@ -47,6 +60,7 @@ for declared in (
     export.export,
     report.report,
     site.site,
+    check.check,
     bench.bench,
     paper.paper,
     study.study,

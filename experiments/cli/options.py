@@ -29,7 +29,7 @@ def completing(words: tuple[str, ...]):
     return lambda incomplete: [word for word in words if word.startswith(incomplete)]
 
 
-MESH_HELP = "STL, OBJ or PLY file [mm], or the name of a built-in site"
+MESH_HELP = "STL, OBJ, PLY or OFF file [mm], or the name of a built-in site"
 Mesh = Annotated[str, typer.Argument(help=MESH_HELP, autocompletion=completing(SITES))]
 Meshes = Annotated[
     list[str],
@@ -68,10 +68,10 @@ Force = Annotated[bool, typer.Option("--force", help="replace results that are a
 Given = dict[str, Any]
 # Settings that several subcommands take, by the names of their keys, and of classes for all their fields.
 RING = ("fov", "diameter", "working_distance", "focus")
-MESH = ("exclude", "repair", "scale", "obstacle", "light")
+MESH = ("exclude", "repair", "two_sided", "scale", "obstacle", "light")
 REQUEST = (
     "Demand", "Constraints", *RING, "exclude", "objective", "site_weights", "falloff_mm", "jitter", "tilt_deg",
-    "shift_mm", "seed", "certify", "repair", "scale", "obstacle", "light",
+    "shift_mm", "seed", "certify", "repair", "two_sided", "scale", "obstacle", "light",
 )  # fmt: skip
 
 

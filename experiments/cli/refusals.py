@@ -61,5 +61,5 @@ def say(error: BaseException) -> int:
     elif _no_room(error):
         tell(f"cannot write: {error}; make room, or give standard output and results another place")
     else:
-        tell(str(error))
+        tell(error.at_command_line if isinstance(error, meshes.MeshError) else str(error))
     return status

@@ -118,7 +118,7 @@ def placement_content(found: "placement.Placement", asked: "Request") -> dict[st
         "lights": [list(light) for light in asked.poses[0].scene.lights],
         "smallest_separation_mm": found.smallest_separation if found.n_cameras > 1 else None,
         "mesh": {"name": asked.subjects[0].name, "sha256": first.mesh_hash, "excluded": asked.excluded[0].words,
-                 "n_excluded_faces": first.n_excluded, "scale": 1.0 if asked.subjects[0].is_site else asked.rig.scale},
+                 "n_excluded_faces": first.n_excluded, **_loaded(asked, 0)},
         "meshes": [_mesh_content(found, asked, number) for number in range(len(asked.subjects))],
         "objective": found.objective,
         "poses": {"n": n_poses, "tilt_deg": poses.tilt_deg, "shift_mm": poses.shift_mm} if n_poses > 1 else None,
@@ -140,7 +140,7 @@ def _mesh_content(found: "placement.Placement", asked: "Request", number: int) -
         "sha256": sites[0].mesh_hash,
         "excluded": excluded.words,
         "n_excluded_faces": sites[0].n_excluded,
-        "scale": 1.0 if about.is_site else asked.rig.scale,
+        **_loaded(asked, number),
         "weight": asked.weights[number],
         "areas_of_poses_mm2": [
             {"optimised": site.area, "equidistant": site.equidistant_area,
@@ -148,6 +148,14 @@ def _mesh_content(found: "placement.Placement", asked: "Request", number: int) -
             for site in sites
         ],
     }  # fmt: skip
+
+
+def _loaded(asked: "Request", number: int) -> dict[str, Any]:
+    """How the mesh was loaded, so that it can be again, and what was said of it."""
+    about, rig = asked.subjects[number], asked.rig
+    if about.is_site:
+        return {"scale": 1.0, "repair": False, "two_sided": False, **about.told}
+    return {"scale": rig.scale, "repair": rig.repair, "two_sided": rig.two_sided, **about.told}
 
 
 def certificate_content(certificate) -> dict[str, Any]:

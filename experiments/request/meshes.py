@@ -8,8 +8,10 @@ from pathlib import Path
 import numpy as np
 import trimesh
 
+import exact
 import meshes
 from experiments.files.errors import InputError
+from experiments.request.outlook import places, warnings_about
 from experiments.terminal.console import note
 from experiments.terminal.progress import working
 
@@ -30,25 +32,48 @@ class Subject:
         Whether it is a built-in reference site.
     fov : (float, float)
         Field of view recommended for it [mm].
+    warnings : tuple of str
+        Why an answer about it is likely not what is meant.
     """
 
     name: str
     mesh: trimesh.Trimesh
     is_site: bool
     fov: tuple[float, float]
+    warnings: tuple[str, ...] = ()
+
+    @property
+    def told(self) -> dict[str, list[str]]:
+        """What is to be known of the mesh, as it stands in results."""
+        kept = self.mesh.metadata
+        return {
+            "notes": list(kept.get("notes", ())),
+            "repairs": list(kept.get("repairs", ())),
+            "warnings": list(self.warnings),
+        }
 
 
-def subject(name: str, depth: float | None, detail: str | None, repair: bool = False, scale: float = 1.0) -> Subject:
+def subject(
+    name: str,
+    depth: float | None,
+    detail: str | None,
+    repair: bool = False,
+    scale: float = 1.0,
+    two_sided: bool = False,
+    ring: exact.Ring | None = None,
+) -> Subject:
     """A mesh file, or a built-in site if there is no such file.
 
     Parameters
     ----------
     name : str
-        Path of an STL, OBJ or PLY file, or name of a site, with its depth or without: circ_artery@50.
+        Path of an STL, OBJ, PLY or OFF file, or name of a site, with its depth or without: circ_artery@50.
     depth, detail : float or None, str or None
         Of a built-in site.
-    repair, scale : bool, float
+    repair, scale, two_sided : bool, float, bool
         How to load a file: see `meshes.load`. What is odd about it, but no fault, is said on stderr.
+    ring : exact.Ring, optional
+        From where the surface is looked at.
 
     Raises
     ------
@@ -63,15 +88,23 @@ def subject(name: str, depth: float | None, detail: str | None, repair: bool = F
         )
     if not os.path.exists(name) and not Path(name).suffix:
         raise InputError(
-            f"{name}: neither a file nor a built-in site; give the path of an STL, OBJ or PLY file, "
+            f"{name}: neither a file nor a built-in site; give the path of an STL, OBJ, PLY or OFF file, "
             f"or one of {', '.join(meshes.SITES)}"
         )
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", meshes.MeshWarning)
-        mesh = meshes.load(name, repair=repair, scale=scale)
-    for warning in caught:
-        note(f"warning: {warning.message}")
-    return Subject(printable(Path(name).name), mesh, False, USUAL_FOV)
+        seen_from = None if ring is None else places(ring)
+        mesh = meshes.load(name, repair=repair, scale=scale, two_sided=two_sided, seen_from=seen_from)
+    warned = [str(warning.message) for warning in caught]
+    if ring is not None:
+        warned += warnings_about(name, mesh, ring)
+    about = Subject(printable(Path(name).name), mesh, False, USUAL_FOV, tuple(warned))
+    for kind, words in (("note", about.told["notes"]), ("repaired", about.told["repairs"])):
+        if words:
+            note(f"{kind}: {name}: {'; '.join(words)}")
+    for words in about.warnings:
+        note(f"warning: {words}")
+    return about
 
 
 def printable(name: str) -> str:
@@ -150,4 +183,4 @@ def exclusion(about: Subject, choice: str | None) -> Exclusion:
             )
         listed[int(word)] = True
     mask = listed[number]
-    return Exclusion(mask, f"{mask.sum()} faces listed in {choice}, {mesh.area_faces[mask].sum():.2f} mm²")
+    return Exclusion(mask, f"{listed.sum()} faces listed in {choice}, {mesh.area_faces[mask].sum():.2f} mm²")

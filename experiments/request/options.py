@@ -146,7 +146,8 @@ BESIDE_CLASSES = (
         "looked for beside it).",
         "top for built-in sites, none for files", choices=("top", "none"),
     ),
-    Option("repair", "mesh", FLAG, False, "Whether to put right what can be: winding, faces without area."),
+    Option("repair", "mesh", FLAG, False, "Whether to put right what can be: mixed winding, surfaces that look away."),
+    Option("two_sided", "mesh", FLAG, False, "Whether each face counts from whichever side it is seen, as of a sheet."),
     Option("scale", "mesh", NUMBER, 1.0, "Factor from the mesh file's unit to millimetres: 1000 for metres."),
     Option(
         "obstacle", "mesh", FILES, None,

@@ -7,7 +7,7 @@ import exact
 import placement
 from experiments.files.errors import InputError
 from experiments.files.ring_maximum_cache import RememberedAreas
-from experiments.request.meshes import Exclusion, Subject, exclusion, is_site, subject
+from experiments.request.meshes import USUAL_FOV, Exclusion, Subject, exclusion, is_site, subject
 from experiments.request.rig import Rig
 from placement.layouts.arcs import LayoutSpace
 from placement.layouts.constraints import demanded, on_ring
@@ -106,10 +106,13 @@ class Request:
         )
 
 
-def request(names: Sequence[str], depth: float | None, detail: str | None, rig: Rig) -> Request:
+def request(
+    names: Sequence[str], depth: float | None, detail: str | None, rig: Rig, ring: exact.Ring | None = None
+) -> Request:
     """What a command is about: these meshes or sites under the ring of `rig` (see `rig_file.rig`).
 
-    `depth` is for sites that do not say theirs, as circ_flat@50 does.
+    `depth` is for sites that do not say theirs, as circ_flat@50 does. `ring` is one that goes before that of `rig`,
+    such as that of a layout.
 
     Raises
     ------
@@ -129,13 +132,13 @@ def request(names: Sequence[str], depth: float | None, detail: str | None, rig: 
         raise InputError(
             f"--exclude is {rig.exclude!r}, face indices of one mesh, and there are {len(names)}; give top or none"
         )
-    subjects = _subjects(names, depth, detail, rig)
+    subjects = _subjects(names, depth, detail, rig, rig.ring(USUAL_FOV) if ring is None else ring)
     excluded = tuple(exclusion(about, rig.exclude) for about in subjects)
     fovs = dict.fromkeys(about.fov for about in subjects)
-    if rig.fov is None and len(fovs) > 1:
+    if ring is None and rig.fov is None and len(fovs) > 1:
         wanted = " and ".join(f"{width:g}x{height:g}" for width, height in fovs)
         raise InputError(f"these meshes are meant for fields of view of {wanted} mm; say which with --fov")
-    ring = rig.ring(subjects[0].fov)
+    ring = rig.ring(subjects[0].fov) if ring is None else ring
     poses = []
     obstacles = tuple(subject(name, None, None, rig.repair, rig.scale).mesh for name in rig.obstacle or ())
     for about, left_out, weight in zip(subjects, excluded, weights, strict=True):
@@ -147,7 +150,9 @@ def request(names: Sequence[str], depth: float | None, detail: str | None, rig: 
     return Request(subjects, excluded, weights, tuple(poses), ring, rig)
 
 
-def _subjects(names: Sequence[str], depth: float | None, detail: str | None, rig: Rig) -> tuple[Subject, ...]:
+def _subjects(
+    names: Sequence[str], depth: float | None, detail: str | None, rig: Rig, ring: exact.Ring
+) -> tuple[Subject, ...]:
     """Each mesh; of files and sites together, each with what belongs to its kind."""
     files = [name for name in names if not is_site(name)]
     undecided = [name for name in names if is_site(name) and "@" not in name]
@@ -155,7 +160,7 @@ def _subjects(names: Sequence[str], depth: float | None, detail: str | None, rig
     for name in names:
         if name in files:
             kept = (depth, detail) if len(files) == len(names) else (None, None)
-            found.append(subject(name, *kept, rig.repair, rig.scale))
+            found.append(subject(name, *kept, rig.repair, rig.scale, rig.two_sided, ring))
         else:
             own = None if "@" in name and undecided else depth
             found.append(subject(name, own, detail, rig.repair, 1.0 if files else rig.scale))

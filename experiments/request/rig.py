@@ -49,7 +49,7 @@ class Rig:
         Where light comes from [mm]; None for everywhere.
     exclude : str or None
         "top", "none", or a file of face indices; None for what is usual for the mesh.
-    repair : bool
+    repair, two_sided : bool
     scale : float
         Factor from the mesh file's unit to millimetres.
     objective : str
@@ -80,6 +80,7 @@ class Rig:
     light: tuple[tuple[float, float, float], ...] | None
     exclude: str | None
     repair: bool
+    two_sided: bool
     scale: float
     objective: str
     site_weights: tuple[float, ...] | None

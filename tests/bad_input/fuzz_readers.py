@@ -18,7 +18,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
-ENDINGS = (".stl", ".ply", ".obj")
+ENDINGS = (".stl", ".ply", ".obj", ".off")
 
 
 def mesh_reader(folder: Path) -> Callable[[bytes], None]:
@@ -96,7 +96,8 @@ def seeds(target: str) -> list[bytes]:
         wanted, good = ".toml", [section.encode() for section in commented().split("\n\n")]
     else:
         obj = "v 0 0 0\nv 5 0 0\nv 0 5 0\nv 5 5 0\nf 1 2 3\nf 2//1 4/2/1 3/3\n"
-        named = ((0, stl(box())), (0, ASCII.encode()), (1, PLY.encode()), (2, obj.encode()))
+        off = "OFF\n4 2 0\n0 0 0\n5 0 0\n0 5 0\n5 5 0\n3 0 1 2\n4 0 1 3 2\n"
+        named = ((3, off.encode()), (0, stl(box())), (0, ASCII.encode()), (1, PLY.encode()), (2, obj.encode()))
         wanted, good = ENDINGS, [bytes([first]) + data for first, data in named]
         good.append(bytes([129]) + box().export(file_type="ply"))
     for case in CASES.values():

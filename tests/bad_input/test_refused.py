@@ -29,7 +29,7 @@ def test_refused_with_one_message(camring, tmp_path, monkeypatch, name):
     status, out, err = camring(*arguments)
     assert (status, out) == (2, ""), err
     assert "Traceback" not in err
-    said = [line for line in err.splitlines() if not line.startswith("warning: ")]
+    said = [line for line in err.splitlines() if not line.startswith(("warning: ", "note: ", "repaired: "))]
     usage = said[0].startswith("Usage: ")  # an option that does not exist is answered with those that do
     assert usage or said[0].startswith("camring: ")
     assert usage or len(said) == 1

@@ -122,7 +122,7 @@ FIRST_VERTEX = next(line for line in ASCII.splitlines() if line.startswith("vert
 
 BAD_FILES = {
     "nothing in it": ("a.stl", b"", "0 bytes; needed is a mesh"),
-    "unknown ending": ("a.step", b"ISO-10303", r'ends in ".step"; needed is a mesh that ends in .stl, .obj or .ply'),
+    "unknown ending": ("a.step", b"ISO-10303", r'ends in ".step"; needed is a mesh that ends in .stl, .obj, .ply or'),
     "no ending": ("mesh", b"solid", r'ends in ""; needed is'),
     "zip": ("a.stl", b"PK\x03\x04" + bytes(200), "a zip archive, not a mesh; unpack it"),
     "gzip": ("a.ply", b"\x1f\x8b" + bytes(200), "a gzip archive"),
@@ -130,22 +130,22 @@ BAD_FILES = {
     "web page": ("a.obj", b"<!doctype html><p>404", "a web page"),
     "few bytes": ("a.stl", b"\x00\x01\x02", "3 bytes, but even an empty binary STL file has 84"),
     "binary cut short": ("a.stl", BINARY[:-30], "announces 12 triangles, which take 684 bytes, but the file has 654"),
-    "binary too long": ("a.stl", BINARY + b"tail", "684 bytes, but the file has 688"),
+    "binary too long": ("a.stl", BINARY + BINARY[-50:], "684 bytes, but the file has 734: 1 more triangles follow"),
     "text": ("a.stl", "dear colleague, " * 20, "header announces .* not an STL file"),
     "no triangles": ("a.stl", bytes(84), "0 vertices and no faces; needed is at least one triangle"),
     "no facets": ("a.stl", "solid empty\nendsolid empty\n", "no faces; needed is at least one triangle"),
     "words": ("a.stl", ASCII.replace(FIRST_VERTEX, "vertex one two three"), r'line 4 reads "vertex one two three"'),
     "two numbers": ("a.stl", ASCII.replace(FIRST_VERTEX, "vertex 1 2"), "a vertex needs three numbers"),
-    "ascii cut short": ("a.stl", ASCII[: ASCII.rindex("endsolid")], 'no closing "endsolid"; the file is cut short'),
+    "ascii cut short": ("a.stl", ASCII[: ASCII.rindex("endfacet")], "has no end; the file is cut short"),
     "ascii cut in a facet": (
         "a.stl",
         ASCII[: ASCII.rindex("vertex")],
-        "35 vertices in 12 facets at the end of the file",
+        "the facet that begins in line 79 has no end",
     ),
     "facet of four": (
         "a.stl",
         ASCII.replace(FIRST_VERTEX, FIRST_VERTEX + "\n" + FIRST_VERTEX, 1),
-        "every facet needs three",
+        "4 vertices in the facet of line 2",
     ),
     "nan": ("a.stl", ASCII.replace(FIRST_VERTEX, "vertex nan 0 0"), r"is \(nan, 0, 0\).*needed are finite"),
     "signalling nan": (
@@ -159,19 +159,23 @@ BAD_FILES = {
         r"vertex 1 is \(1e\+99, 0, 0\).*up to 1e\+09 mm",
     ),
     "infinite": ("a.obj", OBJ.replace("v 1 0 0", "v inf 0 0"), r"vertex 1 is \(inf, 0, 0\).*needed are finite"),
-    "obj words": ("a.obj", OBJ.replace("v 1 0 0", "v one 0 0"), "not a readable OBJ file"),
-    "obj two coordinates": ("a.obj", OBJ.replace("v 1 0 0", "v 1 0"), "vertices have 2 coordinates; needed are three"),
-    "obj index too large": ("a.obj", OBJ + "f 1 2 99\n", "not a readable OBJ file"),
+    "obj words": ("a.obj", OBJ.replace("v 1 0 0", "v one 0 0"), r'line 2 reads "v one 0 0"; a vertex needs three'),
+    "obj two coordinates": ("a.obj", OBJ.replace("v 1 0 0", "v 1 0"), "a vertex needs three numbers"),
+    "obj index too large": ("a.obj", OBJ + "f 1 2 99\n", "face 4 refers to vertices 0, 1, 4, but"),
     "obj index zero": ("a.obj", OBJ + "f 0 1 2\n", "line 9 refers to vertex 0; OBJ files count from 1"),
-    "obj without faces": ("a.obj", "v 0 0 0\nv 1 0 0\n", "no faces; needed is at least one triangle"),
-    "obj with one line left": ("a.obj", "v 0 0 0 0", "no faces; needed is at least one triangle"),
-    "obj of noise": ("a.obj", bytes(range(256)), "not a readable OBJ file|no faces"),
+    "obj without faces": ("a.obj", "v 0 0 0\nv 1 0 0\n", "no faces, a point cloud; needed is at least one triangle"),
+    "obj with one line left": ("a.obj", "v 0 0 0 0", "no faces, a point cloud; needed is at least one triangle"),
+    "obj of noise": ("a.obj", bytes(range(256)), "a line of an OBJ file begins with what it is"),
     "ply without header": ("a.ply", "plywood", "no PLY header"),
-    "ply words": ("a.ply", PLY.replace("-5.0", "minus", 1).replace("-5 ", "minus ", 1), "not a readable PLY file|PLY"),
+    "ply words": (
+        "a.ply",
+        PLY.replace("-5.0", "minus", 1).replace("-5 ", "minus ", 1),
+        "among its vertex elements stands .*minus",
+    ),
     "ply cut short": (
         "a.ply",
         "\n".join(PLY.splitlines()[:-1]) + "\n",
-        "announces 8 vertices and 12 faces, but the file holds",
+        "announces 8 vertices and 12 faces, but the file ends",
     ),
     "ply huge": ("a.ply", PLY.replace("element face 12", "element face 4000000000"), "4000000000 faces, but only"),
     "ply negative": ("a.ply", PLY.replace("element vertex 8", "element vertex -8"), "announces -8 vertices"),
@@ -180,7 +184,7 @@ BAD_FILES = {
         "a.ply",
         "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\nend_header\n"
         "0 0 0\n1 1 1\n",
-        "no faces; needed is at least one triangle",
+        "no faces, a point cloud; needed is at least one triangle",
     ),
 }
 
@@ -196,11 +200,11 @@ def test_bad_file(tmp_path, case, repair):
 
 
 def test_missing_file_and_folder(tmp_path):
-    with pytest.raises(meshes.MeshError, match="no such file; give the path of an STL, OBJ or PLY file"):
+    with pytest.raises(meshes.MeshError, match="no such file; give the path of an STL, OBJ, PLY or OFF file"):
         meshes.load(tmp_path / "none.stl")
     folder = tmp_path / "folder.stl"
     folder.mkdir()
-    with pytest.raises(meshes.MeshError, match="a folder; give an STL, OBJ or PLY file"):
+    with pytest.raises(meshes.MeshError, match="a folder; give an STL, OBJ, PLY or OFF file"):
         meshes.load(folder)
     with pytest.raises(meshes.MeshError, match="a device; give"):
         meshes.load(os.devnull)

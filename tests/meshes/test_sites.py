@@ -23,7 +23,7 @@ def test_site_is_one_sound_body(name, depth):
     assert mesh.is_watertight and mesh.is_winding_consistent and mesh.is_volume
     assert mesh.body_count == 1
     assert mesh.volume > 0
-    assert mesh.metadata == {"watertight": True, "repairs": []}
+    assert mesh.metadata == {"watertight": True, "notes": [], "repairs": []}
 
 
 @pytest.mark.parametrize(

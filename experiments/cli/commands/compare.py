@@ -48,7 +48,7 @@ def run(
     strictest = replace(read[0].demand, min_baseline=max(one.demand.min_baseline for one in read))
     demand = overridden(strictest, options)
     scale = 1.0 if options["scale"] is None else options["scale"]
-    about = subject(mesh, depth, detail, bool(options["repair"]), scale)
+    about = subject(mesh, depth, detail, bool(options["repair"]), scale, bool(options["two_sided"]), read[0].ring)
     for one in read:
         one.refuse_other_mesh(about.mesh, about.name, force)
     excluded = exclusion(about, options["exclude"])
@@ -60,7 +60,7 @@ def run(
 
         def evaluated(angles, counted: exact.Demand) -> exact.Reconstruction:
             result = exact.evaluate(scene, rig.cameras(angles), demand=counted, report=advance)
-            refuse_unseen(about, result)
+            refuse_unseen(about, result, rig)
             return result
 
         results = [evaluated(one.angles, demand) for one in read]
@@ -71,7 +71,7 @@ def run(
         gain = None if one is read[0] else (found - areas[0]) / maximum
         rows.append(layout_table.row(str(one.path), one.angles, found, found / maximum, gain, spread, error))
     content: dict[str, Any] = {
-        "mesh": {"name": about.name, "excluded": excluded.words, "scale": scale},
+        "mesh": {"name": about.name, "excluded": excluded.words, "scale": scale, **about.told},
         "ring": layout_file.ring_content(rig),
         "threshold": demand.threshold,
         "min_baseline_mm": demand.min_baseline,

@@ -13,6 +13,7 @@ from experiments.request import layout_file
 from experiments.request import rig as rig_file
 from experiments.request.meshes import Subject
 from experiments.request.option_text import parse_angles
+from experiments.request.outlook import seen
 from experiments.request.request import Request, request
 from experiments.request.rig import overridden
 from experiments.request.target_fraction import checked_target, reach
@@ -22,6 +23,10 @@ from experiments.terminal.progress import progress_bar
 from placement.search.ring_maximum import unbased
 
 OUTPUTS = ("reconstructable.stl", "reconstructable.ply", "coverage.ply", "coverage.glb", "evaluation.json")
+# Less of a mesh than this part of its area is rounding, such as of a face that is seen from its edge.
+UNSEEN = 1e-12
+# So much of what is seen is the back if that is why nothing counts [parts].
+ALL_BACK = 0.5
 # Cameras nearer to each other than this [mm] are in one place: less than any mount moves.
 SAME_PLACE = 1e-3
 RING_OPTIONS = ("fov", "diameter", "working_distance", "focus")
@@ -65,9 +70,11 @@ def run(
         )
     # One mesh as it is: what a rig file says of several and of poses is for layouts that serve them all.
     rig = replace(rig_file.rig(rig_path, **options), jitter=1, site_weights=None)
-    asked = request([mesh], depth, detail, rig)
-    if layout is not None:
-        cameras = _from_layout(layout, asked, options, force)
+    made = None if layout is None else layout_file.read(layout)
+    asked = request([mesh], depth, detail, rig, None if made is None else made.ring)
+    if made is not None:
+        made.refuse_other_mesh(asked.subjects[0].mesh, asked.name, force)
+        cameras = _Cameras(made.ring, made.angles, overridden(made.demand, options))
     else:
         listed = angles_deg is not None
         angles = np.radians(parse_angles(angles_deg)) if listed else asked.ring.equidistant(asked.rig.n_cameras)
@@ -88,13 +95,6 @@ def run(
         _write_images(images, asked, cameras)
     if target is not None:
         reach(target, content["fraction_of_ring_maximum"], f"these {len(cameras.angles)} cameras")
-
-
-def _from_layout(path: Path, asked: Request, options: dict[str, Any], force: bool) -> _Cameras:
-    """What the file says, where no option says something else."""
-    made = layout_file.read(path)
-    made.refuse_other_mesh(asked.subjects[0].mesh, asked.name, force)
-    return _Cameras(made.ring, made.angles, overridden(made.demand, options))
 
 
 def _warn_of_one_place(given: _Cameras) -> None:
@@ -121,7 +121,7 @@ def _evaluate(asked: Request, given: _Cameras, with_maximum: bool) -> tuple[exac
         for camera in cameras:
             single.append(exact.evaluate(scene, [camera], threshold=1).area)
             advance(1)
-        refuse_unseen(about, result)
+        refuse_unseen(about, result, given.ring)
         maximum = None
         if with_maximum:
             around = given.ring.cameras(given.ring.equidistant(n_ring))
@@ -132,6 +132,9 @@ def _evaluate(asked: Request, given: _Cameras, with_maximum: bool) -> tuple[exac
             "sha256": scene.mesh_hash,
             "excluded": asked.excluded[0].words,
             "scale": asked.rig.scale,
+            "repair": asked.rig.repair,
+            "two_sided": asked.rig.two_sided,
+            **about.told,
         },
         "ring": layout_file.ring_content(given.ring),
         "angles_rad": given.angles.tolist(),
@@ -167,16 +170,21 @@ def _write_images(folder: Path, asked: Request, given: _Cameras) -> None:
     note(f"wrote {folder / names[0]}{f' to {names[-1]}' if len(names) > 1 else ''}")
 
 
-def refuse_unseen(about: Subject, result: exact.Reconstruction) -> None:
+def refuse_unseen(about: Subject, result: exact.Reconstruction, ring: exact.Ring) -> None:
     """Raise InputError if no camera sees anything that counts."""
-    if result.level_areas[0] == 0.0:
+    if result.level_areas[0] <= UNSEEN * about.mesh.area:
+        back = seen(about.mesh, ring).back
+        why = (
+            f"; {100 * back:.1f} % of what faces the cameras is its back: --repair turns a surface that is wound the "
+            "wrong way, --two-sided counts both sides"
+        )
         spans = ", ".join(
             f"{axis} {low:g} to {high:g}" for axis, low, high in zip("xyz", *about.mesh.bounds.tolist(), strict=True)
         )
         raise InputError(
             f"no camera sees any part of {about.name} that counts; check that it lies at the focus (it spans "
             f"{spans} mm, and --focus says where the cameras look), inside the field of view, with its normals towards "
-            "the cameras, and that its unit is millimetres (--scale)"
+            f"the cameras, and that its unit is millimetres (--scale){why if back > ALL_BACK else ''}"
         )
 
 

@@ -1,6 +1,7 @@
 """camring export: a layout in the formats of other programs."""
 
 from pathlib import Path
+from typing import Any
 
 import meshes
 from experiments.exports import formats
@@ -17,7 +18,7 @@ def run(
     mesh: str | None,
     depth: float | None,
     detail: str | None,
-    repair: bool,
+    options: dict[str, Any],
     resolution: str | None,
     out: Path,
     force: bool,
@@ -43,9 +44,11 @@ def run(
     if mesh is not None and not shows_site:
         wanted = " or ".join(name for name, chosen in formats.FORMATS.items() if chosen.needs_site)
         raise InputError(f"--mesh is for {wanted} only; add it to --format, or leave --mesh out")
-    if mesh is None and (depth is not None or detail is not None or repair):
-        raise InputError("--depth, --detail and --repair say which mesh; give --mesh too, or leave them out")
-    site = None if mesh is None else _site(made, mesh, depth, detail, repair, force)
+    if mesh is None and (depth is not None or detail is not None or any(options.values())):
+        raise InputError(
+            "--depth, --detail, --repair and --two-sided say which mesh; give --mesh too, or leave them out"
+        )
+    site = None if mesh is None else _site(made, mesh, depth, detail, options, force)
     files = formats.prepare(out, names, force)
     cameras = named_cameras(made.ring, made.angles, size)
     formats.write(out, names, cameras, site)
@@ -59,9 +62,15 @@ def run(
 
 
 def _site(
-    made: layout_file.LayoutFile, mesh: str, depth: float | None, detail: str | None, repair: bool, force: bool
+    made: layout_file.LayoutFile,
+    mesh: str,
+    depth: float | None,
+    detail: str | None,
+    options: dict[str, Any],
+    force: bool,
 ) -> Subject:
-    site = subject(mesh, depth, detail, repair, 1.0 if mesh in meshes.SITES else _scale(made))
+    scale = 1.0 if mesh in meshes.SITES else _scale(made)
+    site = subject(mesh, depth, detail, bool(options["repair"]), scale, bool(options["two_sided"]), made.ring)
     made.refuse_other_mesh(site.mesh, site.name, force)
     return site
 

@@ -2,6 +2,7 @@
 
 import re
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -18,7 +19,13 @@ from experiments.terminal.progress import working
 
 
 def run(
-    folder: Path, mesh: str | None, exclude: str | None, repair: bool, out: Path | None, force: bool, as_json: bool
+    folder: Path,
+    mesh: str | None,
+    exclude: str | None,
+    options: dict[str, Any],
+    out: Path | None,
+    force: bool,
+    as_json: bool,
 ) -> None:
     """Read, check, write. `folder` holds layout.json, or is that file."""
     layout = folder if folder.is_file() else folder / "layout.json"
@@ -26,7 +33,7 @@ def run(
     report.check(made)
     out = layout.parent if out is None else out
     output_folder(out, [NAME], force)
-    about = _mesh(made, mesh, repair)
+    about = _mesh(made, mesh, options)
     shown = exact.Scene(about.mesh, exclude=_excluded(made, about, exclude))
     with working("writing the report"):
         report.write(out / NAME, made, shown)
@@ -35,7 +42,7 @@ def run(
     note(f"wrote {out / NAME}")
 
 
-def _mesh(made: layout_file.LayoutFile, mesh: str | None, repair: bool) -> Subject:
+def _mesh(made: layout_file.LayoutFile, mesh: str | None, options: dict[str, Any]) -> Subject:
     """The mesh that the layout was made for, the first of several."""
     first = made.content["meshes"][0]
     if mesh is None:
@@ -50,7 +57,8 @@ def _mesh(made: layout_file.LayoutFile, mesh: str | None, repair: bool) -> Subje
                 f"{made.path} was made for {first['name']!r}, a file; say where it is, as in --mesh scan.stl"
             )
     else:
-        about = subject(mesh, None, None, repair, 1.0 if is_site(mesh) else first["scale"])
+        scale = 1.0 if is_site(mesh) else first["scale"]
+        about = subject(mesh, None, None, bool(options["repair"]), scale, bool(options["two_sided"]), made.ring)
     if meshes.fingerprint(about.mesh) != first["sha256"]:
         raise InputError(
             f"{made.path} was made for {first['name']!r}, and {about.name} is not the same mesh; give that one with "

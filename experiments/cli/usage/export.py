@@ -8,7 +8,7 @@ import typer
 import experiments.cli.options as opt
 
 
-@opt.asking("repair")
+@opt.asking("repair", "two_sided")
 def export(
     layout: Annotated[Path, typer.Argument(help="layout.json")],
     format: Annotated[
@@ -47,6 +47,4 @@ def export(
     """
     from experiments.cli.commands import export as command_export
 
-    command_export.run(
-        layout, format, mesh, depth, detail, bool(options["repair"]), resolution, out, force, as_json=json
-    )
+    command_export.run(layout, format, mesh, depth, detail, options, resolution, out, force, as_json=json)

@@ -8,7 +8,7 @@ import typer
 import experiments.cli.options as opt
 
 
-@opt.asking("repair")
+@opt.asking("repair", "two_sided")
 def report(
     layout: Annotated[Path, typer.Argument(help="folder with a layout.json, or that file")],
     mesh: Annotated[
@@ -40,4 +40,4 @@ def report(
     """
     from experiments.cli.commands import report as command_report
 
-    command_report.run(layout, mesh, exclude, bool(options["repair"]), out, force, json)
+    command_report.run(layout, mesh, exclude, options, out, force, json)

@@ -77,17 +77,13 @@ MESHES = {
     "faces without area only": mesh_file(
         "a.stl", stl(soup([(0, 0, 0), (1, 1, 1), (2, 2, 2)] * 3)), r"all 3 faces have zero area; needed is at least one"
     ),
-    "one face without area": mesh_file(
-        "a.stl", stl(soup([*TRIANGLE, (0, 0, 0), (5, 0, 0), (2, 0, 0)])), r"face 1 has zero area .*repair"
-    ),
-    "a face twice": mesh_file("a.stl", stl(soup(TRIANGLE * 2)), r"face 1 repeats face 0.*repair=True"),
-    "inside-out": mesh_file("a.stl", stl(wound(slice(None))), r"closed, but inside-out .*repair=True"),
-    "mixed winding": mesh_file("a.stl", stl(wound(slice(3))), r"wound in opposite senses.*repair=True"),
+    "inside-out": mesh_file("a.stl", stl(wound(slice(None))), r"closed, but inside-out .*repair"),
+    "mixed winding": mesh_file("a.stl", stl(wound(slice(3))), r"wound in opposite senses.*repair"),
     "a hundred thousand vertices in one place": mesh_file(
         "a.stl", stl(soup(np.full((99_999, 3), 7.0))), r"all 33333 faces have zero area"
     ),
     "face of vertices that are not there": mesh_file(
-        "a.obj", "v 0 0 0\nv 5 0 0\nv 0 5 0\nf 1 2 9\n", r"a\.obj: .*(not a readable OBJ|refers to vert)"
+        "a.obj", "v 0 0 0\nv 5 0 0\nv 0 5 0\nf 1 2 9\n", r"a\.obj: face 0 refers to vertices"
     ),
     "vertex 0 in an OBJ file": mesh_file("a.obj", "v 0 0 0\nv 5 0 0\nv 0 5 0\nf 0 1 2\n", r"line 4 refers to vertex 0"),
     "OBJ coordinate beyond all numbers": mesh_file("a.obj", "v 1e999 0 0\nv 5 0 0\nv 0 5 0\nf 1 2 3\n", r"is \(inf, 0"),
@@ -99,7 +95,9 @@ MESHES = {
     "PDF named .obj": mesh_file("a.obj", "%PDF-1.7 \n", r"a PDF document, not a mesh"),
     "empty file": mesh_file("a.stl", b"", r"a\.stl: 0 bytes; needed is a mesh. Copy or export it again"),
     "prose": mesh_file("a.stl", "Dear colleague,\nthe scan is attached.\n" * 9, r"not an STL file; copy or export"),
-    "bytes that are no text": mesh_file("a.stl", b"solid \xff\xfe\nfacet\nvertex \xc3\x28 1 2\n", r"three numbers"),
+    "bytes that are no text": mesh_file(
+        "a.stl", b"solid \xff\xfe\nfacet\nvertex \xc3\x28 1 2\nendfacet", r"three numbers"
+    ),
     "other format": mesh_file("a.step", "ISO-10303-21;", r'ends in "\.step"; needed is a mesh that ends in \.stl'),
     "no such file": mesh_path(lambda folder: folder / "none.stl", r"none\.stl: no such file; give the path of"),
     "folder": mesh_path(lambda folder: made(folder / "a.stl", Path.mkdir), r"a\.stl: a folder; give an STL"),

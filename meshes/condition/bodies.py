@@ -1,8 +1,8 @@
 """The bodies that a mesh consists of: which of the closed ones are inside-out, and which are hollows in another."""
 
 import numpy as np
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
+
+from meshes.condition.neighbours import connected, neighbours
 
 # A body is taken to lie where most of this many of its points lie, for bodies that stick in others or touch them.
 PROBES = 5
@@ -11,25 +11,6 @@ DEPTH = 1e-6
 # Inside a closed body the winding number is 1, outside 0; in a body with a hole it lies between, and who is within the
 # hole's smallest lid has more than this.
 INSIDE = 0.5
-
-
-def neighbours(faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Pairs of faces that share an edge which no third face has.
-
-    Returns
-    -------
-    (N, 2) and (N,) ndarray
-        The two faces, and whether they are wound alike (run along the edge in opposite directions).
-    """
-    edges = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
-    forward = edges[:, 0] < edges[:, 1]
-    low, high = np.sort(edges, axis=1).T
-    order = np.lexsort((high, low))
-    new_edge = np.r_[True, (np.diff(low[order]) != 0) | (np.diff(high[order]) != 0), True]
-    starts = np.flatnonzero(new_edge)
-    pairs = starts[:-1][np.diff(starts) == 2]
-    first, second = order[pairs], order[pairs + 1]
-    return np.stack([first // 3, second // 3], axis=1), forward[first] != forward[second]
 
 
 def inside_out(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -61,8 +42,7 @@ def inside_out(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.
     ([False, False], [True])
     """
     pairs, _ = neighbours(faces)
-    links = coo_matrix((np.ones(len(pairs)), pairs.T), shape=(len(faces), len(faces)))
-    n_bodies, body = connected_components(links, directed=False)
+    n_bodies, body = connected(pairs, len(faces))
     closed = np.bincount(pairs.ravel(), minlength=len(faces)) == 3
     is_closed = np.bincount(body, weights=closed, minlength=n_bodies) == np.bincount(body, minlength=n_bodies)
     corners = vertices[faces]

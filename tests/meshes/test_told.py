@@ -1,0 +1,117 @@
+"""What was odd, mended, repaired and looks wrong is said at the command line, in --json and in layout.json."""
+
+import json
+
+import numpy as np
+import pytest
+import trimesh
+from defects import bowl, mesh_of, sheet
+
+import meshes
+
+
+def saved(folder, mesh, name="scan.ply"):
+    path = folder / name
+    path.write_bytes(mesh.export(file_type="ply"))
+    return path
+
+
+def evaluated(camring, path, *options):
+    status, out, err = camring("evaluate", path, "--cameras", 2, "--json", *options)
+    return status, json.loads(out) if out else None, " ".join(err.split())
+
+
+def test_what_was_mended(camring, tmp_path):
+    mesh = bowl()
+    path = saved(tmp_path, mesh_of(mesh.vertices, np.vstack([mesh.faces, [[0, 0, 1]], mesh.faces[:2]])))
+    status, found, err = evaluated(camring, path)
+    assert status == 0
+    notes = ["left out 1 face of zero area", "left out 2 faces that repeated another"]
+    assert found["mesh"]["notes"] == notes and found["mesh"]["repairs"] == found["mesh"]["warnings"] == []
+    assert f"note: {path}: {'; '.join(notes)}" in err
+
+
+def test_what_a_repair_did(camring, tmp_path, quick_search):
+    mesh = bowl()
+    mesh.invert()
+    path = saved(tmp_path, mesh)
+    status, _, err = evaluated(camring, path)
+    assert status == 2 and "--repair turns it outside-out" in err and "repair=True" not in err
+    status, found, err = evaluated(camring, path, "--repair")
+    assert status == 0 and found["mesh"]["repairs"] == ["turned 1 body outside-out"] and found["mesh"]["repair"]
+    assert f"repaired: {path}: turned 1 body outside-out" in err
+    rig = tmp_path / "rig.toml"
+    rig.write_text("[cameras]\ncount = 2\n" + quick_search, encoding="utf-8")
+    out = tmp_path / "out"
+    assert camring("optimise", path, "--rig", rig, "--repair", "--out", out)[0] == 0
+    layout = json.loads((out / "layout.json").read_text(encoding="utf-8"))
+    for one in (layout["mesh"], *layout["meshes"]):
+        assert one["repairs"] == ["turned 1 body outside-out"] and one["repair"] and not one["two_sided"]
+    status, out_text, _ = camring("evaluate", path, "--layout", out / "layout.json", "--repair", "--json")
+    assert status == 0 and json.loads(out_text)["area_mm2"] == pytest.approx(layout["areas_mm2"]["optimised"])
+
+
+def test_a_sheet_that_looks_away(camring, tmp_path):
+    right = evaluated(camring, saved(tmp_path, sheet(), "right.ply"))[1]["area_mm2"]
+    mesh = sheet()
+    mesh.invert()
+    path = saved(tmp_path, mesh)
+    status, _, err = evaluated(camring, path)
+    assert status == 2 and "100.0 % of what faces the cameras is its back: --repair turns" in err
+    for option, told in (("--repair", "repairs"), ("--two-sided", "notes")):
+        status, found, err = evaluated(camring, path, option)
+        assert status == 0 and found["area_mm2"] == pytest.approx(right, rel=1e-9)
+        assert found["mesh"][told] and not found["mesh"]["warnings"]
+
+
+def test_half_of_it_looks_away(camring, tmp_path):
+    """Two sheets side by side, one of them the wrong way round."""
+    one, other = sheet(), sheet()
+    for mesh, x in ((one, -9), (other, 9)):
+        mesh.apply_scale(0.7).apply_translation((0.8 * x, 0, 0))
+    right = evaluated(camring, saved(tmp_path, trimesh.util.concatenate([one, other]), "right.ply"))[1]["area_mm2"]
+    other.invert()
+    path = saved(tmp_path, trimesh.util.concatenate([one, other]))
+    status, found, err = evaluated(camring, path)
+    assert status == 0 and found["area_mm2"] < 0.6 * right
+    (warning,) = found["mesh"]["warnings"]
+    assert "is its back" in warning and "--repair" in warning and warning in err
+    assert evaluated(camring, path, "--repair")[1]["area_mm2"] == pytest.approx(right, rel=1e-9)
+    assert evaluated(camring, path, "--two-sided")[1]["area_mm2"] == pytest.approx(right, rel=1e-9)
+
+
+def test_mixed_winding_that_nobody_sees_stops_no_one(camring, tmp_path):
+    block = trimesh.creation.box((20, 20, 8)).subdivide().subdivide()
+    right = evaluated(camring, saved(tmp_path, block, "right.ply"))[1]["area_mm2"]
+    below = np.flatnonzero(block.triangles_center[:, 2] < -3.9)[:5]
+    faces = block.faces.copy()
+    faces[below] = faces[below, ::-1]
+    status, found, _ = evaluated(camring, saved(tmp_path, mesh_of(block.vertices, faces)))
+    assert status == 0 and found["area_mm2"] == pytest.approx(right, rel=1e-9)
+    assert found["mesh"]["notes"] == ["turned 5 faces round to wind all alike, which nobody sees"]
+    with pytest.raises(meshes.MeshError, match="wound in opposite senses"):
+        meshes.load(tmp_path / "scan.ply")  # the library knows of no cameras
+
+
+def test_little_in_view(camring, tmp_path):
+    wide = sheet()
+    wide.apply_scale((40, 40, 1))
+    status, found, err = evaluated(camring, saved(tmp_path, wide))
+    (warning,) = found["mesh"]["warnings"]
+    assert status == 0 and "of its surface is in view" in warning and "--scale" in warning and warning in err
+
+
+def test_a_sheet_with_both_sides_whatever_their_order(tmp_path):
+    mesh = sheet()
+    both = np.concatenate([mesh.faces, mesh.faces[:, ::-1]])
+    for seed in range(5):
+        path = saved(tmp_path, mesh_of(mesh.vertices, np.random.default_rng(seed).permutation(both)))
+        assert len(meshes.load(path).faces) == len(both)
+
+
+def test_a_sound_mesh_is_told_nothing_of(camring, tmp_path):
+    path = tmp_path / "site.stl"
+    path.write_bytes(meshes.stl_bytes(meshes.site("circ_artery", 50)))
+    status, found, err = evaluated(camring, path)
+    assert status == 0 and err == ""
+    assert found["mesh"]["notes"] == found["mesh"]["repairs"] == found["mesh"]["warnings"] == []
