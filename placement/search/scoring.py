@@ -97,7 +97,7 @@ class ExactScorer:
             with processes(self._workers) as executor:
                 futures = [executor.submit(_squares, *task, self.demand) for task in tasks]
                 found = [future.result() for future in futures]
-        sums = np.reshape(found, (len(new), -1, 2)).sum(axis=1)
+        sums = np.reshape(found, (len(new), len(self.sites.members), 2)).sum(axis=1)
         for theta, (squares, total) in zip(new, sums.tolist(), strict=True):
             self._errors[theta.tobytes()] = float(np.sqrt(squares / total)) if total > 0 else np.inf
         return [self._errors[theta.tobytes()] for theta in turned]

@@ -85,7 +85,7 @@ def test_consensus_of_the_best_layouts(bars):
     found = placement.consensus(result)
     assert found.fractions == tuple(c.fraction for c in result.candidates[:10]) and len(found.fractions) > 3
     by_hand = []
-    for camera in result.angles:
+    for camera in result.most_area.angles:
         nearest = [
             min(abs((camera - other + np.pi) % (2 * np.pi) - np.pi) for other in candidate.angles)
             for candidate in result.candidates[1:10]
