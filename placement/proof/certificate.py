@@ -71,6 +71,8 @@ class Certificate:
         Standard error of a sampled fraction, measured on parts of the samples.
     ignores_baseline : bool
         Whether a baseline was asked for; the bounds hold, but leave it out.
+    ignores_error : bool
+        The same of a bound on the predicted error.
     of : str
         What the fractions are fractions of, in words.
     """
@@ -91,6 +93,7 @@ class Certificate:
     n_profiles: int
     sampling_error: float
     ignores_baseline: bool
+    ignores_error: bool
     of: str = "the ring maximum"
 
     @property
@@ -116,8 +119,10 @@ class Certificate:
             "arcs of visibility narrower than the step at which profiles were traced, and the ends of the others more "
             "finely than they were bisected."
         )
-        if self.ignores_baseline:
-            words.append("The bounds leave the baseline out; with it they hold but may be loose.")
+        left_out = ["the baseline"] * self.ignores_baseline + ["the bound on the error"] * self.ignores_error
+        if left_out:
+            them = "it" if len(left_out) == 1 else "them"
+            words.append(f"The bounds leave {' and '.join(left_out)} out; with {them} they hold but may be loose.")
         return " ".join(words)
 
 
@@ -171,6 +176,7 @@ def certify_samples(
         n_profiles=len(program.merged().weights),
         sampling_error=_sampling_error(profiles, angles, demand, space.ring),
         ignores_baseline=demand.baseline > 0,
+        ignores_error=demand.max_error is not None,
         of=of,
     )
 
