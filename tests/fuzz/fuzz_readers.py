@@ -16,7 +16,8 @@ from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).parents[1]))
+# The root first, or a folder of tests with the name of a package would be taken for it.
+sys.path[:0] = [str(Path(__file__).parents[2]), str(Path(__file__).parents[1])]
 
 ENDINGS = (".stl", ".ply", ".obj", ".off")
 
