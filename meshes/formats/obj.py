@@ -112,14 +112,15 @@ def _of_open_end(name: str, last: bytes, found: Polygons) -> Polygons:
     if kind not in (b"f", b"fo", b"v") or len(found.sizes) == 0:
         return found
     # A face with fewer corners than all others, or one whose last corner has fewer parts than its first.
-    fewer = len(parts) - 1 < found.sizes[:-1].min(initial=len(parts)) or parts[-1].count(b"/") < parts[1].count(b"/")
+    fewer = len(parts) < 4 or len(parts) - 1 < found.sizes[:-1].min(initial=len(parts))
+    fewer = fewer or parts[-1].count(b"/") < parts[1].count(b"/")
     if unused or (kind != b"v" and fewer):
         raise MeshError(
             f"{name}: the last line, {shown(last)}, has no end"
             + (f", and {unused} of {len(found.vertices)} vertices belong to no face" if unused else "")
             + ". The file is cut short; copy or export it again, or put an end to the line if it is whole"
         )
-    return found.of_open_end(name, last, b"/" not in parts[-1])
+    return found.of_open_end(name, last, kind != b"v" and b"/" not in parts[-1])
 
 
 def _line_error(name: str, line_number: int, line: bytes, needed: str) -> MeshError:

@@ -223,6 +223,8 @@ def obj_variants() -> None:
     add("OBJ, cut in a face", ".obj", text[: text.rindex(" ")], "last line.*has no end.*cut short")
     add("OBJ, cut in a corner", ".obj", rows[:-4], "last line.*cut short")
     add("OBJ, cut long before", ".obj", text[: text.index("f 7") + 8], "belong to no face.*cut short")
+    add("OBJ, cut before the first corner", ".obj", text + "f", "last line.*has no end")
+    add("OBJ, faces of no corners", ".obj", " f#\0 0\n\nf#", "last line.*has no end")
     add("OBJ, cut in a vertex", ".obj", text[: text.index("v 20 10 7") + 4], "needs three numbers")
     add("OBJ, word for a number", ".obj", text.replace("v 20 0 0", "v 20 zero 0"), 'line 2 reads "v 20 zero 0"')
     add("OBJ, two coordinates", ".obj", text.replace("v 20 0 0", "v 20 0"), "line 2 .*needs three numbers")
