@@ -79,9 +79,10 @@ class Polygons:
     def _has_neighbour(self, last: np.ndarray) -> bool:
         """Whether another face runs along an edge at the last corner of the last face, the other way."""
         before = self.corners[: len(self.corners) - len(last)]
-        ends = np.cumsum(self.sizes[:-1]) - 1
+        sizes = self.sizes[:-1][self.sizes[:-1] > 0]
+        ends = np.cumsum(sizes) - 1
         after = np.roll(before, -1)
-        after[ends] = before[ends - self.sizes[:-1] + 1]
+        after[ends] = before[ends - sizes + 1]
         edges = ((last[-1], last[-2]), (last[0], last[-1]))
         return any(bool(((before == one) & (after == two)).any()) for one, two in edges)
 
