@@ -141,7 +141,9 @@ def robustness(
         raise PlacementError(f"mounting_error is {mounting_error!r}; it must be finite and at least 0 [rad]")
     theta, demand, scorer = canonical(angles), problem.demanded(constraints), problem.scorer(constraints)
     cameras = problem.ring.cameras(theta)
-    sets = [exact.view_sets(site.scene, cameras, workers=problem.workers) for site in problem.sites.members]
+    sets = [
+        exact.view_sets(site.scene, cameras, demand=demand, workers=problem.workers) for site in problem.sites.members
+    ]
     without = ~np.eye(len(theta), dtype=bool)
     failed = [scorer.combined([of_site.area(demand=demand, cameras=kept) for of_site in sets]) for kept in without]
     sides = np.random.default_rng([seed, 2]).choice([-1.0, 1.0], size=(int(n_mountings), len(theta)))

@@ -10,8 +10,9 @@ from exact.predicted.contour import triangulate
 from exact.usable.information import variance
 from exact.visibility.coverage import Pieces
 
-# Triangles are quartered until they are smaller than this beside their distance from the cameras.
-FINE = 0.004
+# Triangles are quartered until they are smaller than this beside their distance from the cameras; of those that are
+# smaller still their centre speaks for all, to a millionth.
+FINE, TINY = 0.004, 0.0015
 # Points of a triangle that integrate quadratic functions exactly, each with a third of its area.
 NODES = np.array([[2 / 3, 1 / 6, 1 / 6], [1 / 6, 2 / 3, 1 / 6], [1 / 6, 1 / 6, 2 / 3]])
 
@@ -60,32 +61,37 @@ def errors_over(predictor: Predictor, whole: np.ndarray, whole_seen: np.ndarray,
     seen = np.concatenate([whole_seen, pieces.seen[cut.piece]])
     unit = np.array([[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]])
     corner = np.concatenate([np.repeat(unit, len(whole), axis=0), cut.corner])
-    face, seen, corner = _small(predictor, face, seen, corner)
+    face, seen, corner, is_tiny = _small(predictor, face, seen, corner)
     sides = corner[:, 1:] - corner[:, :1]
     area = surface.areas[face] * np.abs(sides[:, 0, 0] * sides[:, 1, 1] - sides[:, 0, 1] * sides[:, 1, 0])
     area = area if weights is None else area * weights[face]
-    inner = np.einsum("nk,tki->tni", NODES, corner).reshape(-1, 2)
-    face, seen = np.repeat(face, 3), np.repeat(seen, 3, axis=0)
+    nodes = np.einsum("nk,tki->tni", NODES, corner[~is_tiny]).reshape(-1, 2)
+    inner = np.concatenate([corner[is_tiny].mean(axis=1), nodes])
+    face, seen, area = (
+        np.concatenate([values[is_tiny], np.repeat(values[~is_tiny], 3, axis=0)]) for values in (face, seen, area)
+    )
+    area[is_tiny.sum() :] /= 3
     total = predictor.totals(surface.points(face, inner), seen)
     depth, normal = (
         np.sqrt(np.maximum(variance(total, predictor.directions(error, face)), 0.0)) for error in ("depth", "normal")
     )
-    return Errors(depth, normal, np.repeat(area / 3, 3))
+    return Errors(depth, normal, area)
 
 
 def _small(predictor: Predictor, face: np.ndarray, seen: np.ndarray, corner: np.ndarray):
-    """The same triangles, quartered until they are small beside their distance from the cameras."""
+    """The same triangles, quartered until they are small beside their distance from the cameras, and which are tiny."""
     surface, done = predictor.surface, []
     while len(face):
         at = surface.points(np.repeat(face, 3), corner.reshape(-1, 2)).reshape(-1, 3, 3)
         centre = at.mean(axis=1)
-        far = np.linalg.norm(at - centre[:, None], axis=2).max(axis=1) > FINE * nearest(predictor.cameras, centre)
-        done.append((face[~far], seen[~far], corner[~far]))
+        size = np.linalg.norm(at - centre[:, None], axis=2).max(axis=1) / nearest(predictor.cameras, centre)
+        far = size > FINE
+        done.append((face[~far], seen[~far], corner[~far], size[~far] < TINY))
         a, b, c = corner[far].transpose(1, 0, 2)
         ab, bc, ca = (a + b) / 2, (b + c) / 2, (c + a) / 2
         parts = [(a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca)]
         corner = np.concatenate([np.stack(part, axis=1) for part in parts])
         face, seen = np.tile(face[far], 4), np.tile(seen[far], (4, 1))
     if not done:
-        return face, seen, corner
+        return face, seen, corner, np.zeros(0, dtype=bool)
     return tuple(np.concatenate(part) for part in zip(*done, strict=True))

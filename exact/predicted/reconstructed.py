@@ -50,7 +50,8 @@ def divided(
     face, group = np.unique(parts.face, return_inverse=True)
     left = pieces.polygon.copy()
     if len(face):
-        together = np.asarray(shapely.multipolygons(parts.polygon, indices=group))
+        polygons, owner = shapely.get_parts(parts.polygon, return_index=True)
+        together = np.asarray(shapely.multipolygons(polygons, indices=group[owner]))
         met_of_face = np.asarray(shapely.union_all(together[:, None], axis=1, grid_size=GRID_SIZE))
         touched = np.flatnonzero(np.isin(pieces.face, face))
         at = np.searchsorted(face, pieces.face[touched])

@@ -30,18 +30,30 @@ def information(points: np.ndarray, cameras: Sequence[Camera], optics: Optics) -
     >>> information(np.zeros((1, 3)), [camera], Optics())[0, 0].tolist()  # (100 px/mm / 0.5 px)² across, none along
     [40000.0, 0.0, 0.0, 40000.0, 0.0, 0.0]
     """
-    found = np.empty((len(points), len(cameras), 6))
-    for i, camera in enumerate(cameras):
-        local = (points - camera.position) @ camera.rotation.T
-        right, down, look = camera.rotation
-        depth = local[:, 2:]
-        inverse = np.divide(1.0, depth, out=np.zeros_like(depth), where=depth > 0)
-        total = np.zeros((len(points), 6))
-        for focal, axis, k in zip(optics.focal(camera), (right, down), (0, 1), strict=True):
-            row = (focal / optics.match_noise) * inverse * (axis - local[:, k : k + 1] * inverse * look)
-            total += row[:, ROWS] * row[:, COLUMNS]
-        found[:, i] = total
-    return found
+    return np.stack([_of_camera(points, camera, optics) for camera in cameras], axis=1)
+
+
+def _of_camera(points: np.ndarray, camera: Camera, optics: Optics) -> np.ndarray:
+    """(N, 6) the same of one camera: JᵀJ in its own axes has five distinct numbers, and turns with R as they do."""
+    x, y, depth = camera.rotation @ (points - camera.position).T
+    inverse = np.divide(1.0, depth, out=np.zeros_like(depth), where=depth > 0)
+    wide, high = (optics.focal(camera) / optics.match_noise) ** 2
+    along_x, along_y = x * inverse, y * inverse
+    squared = inverse * inverse
+    numbers = np.stack(
+        [
+            wide * squared,
+            high * squared,
+            -wide * along_x * squared,
+            -high * along_y * squared,
+            (wide * along_x**2 + high * along_y**2) * squared,
+        ],
+        axis=1,
+    )
+    right, down, look = camera.rotation
+    pairs = ((right, right), (down, down), (right, look), (down, look), (look, look))
+    products = [np.outer(one, two) if one is two else np.outer(one, two) + np.outer(two, one) for one, two in pairs]
+    return numbers @ np.stack([product[ROWS, COLUMNS] for product in products])
 
 
 def variance(total: np.ndarray, direction: np.ndarray) -> np.ndarray:

@@ -131,7 +131,7 @@ def drawn_surface(
     n = len(angles)
     even, best = np.arange(2 * n) < n, np.arange(2 * n) >= n
     both = np.concatenate([ring.equidistant(n), angles])
-    sets = exact.view_sets(scene, ring.cameras(both))
+    sets = exact.view_sets(scene, ring.cameras(both), demand=demand)
     met_even, met_best = sets.met(demand=demand, cameras=even), sets.met(demand=demand, cameras=best)
     vertices, triangles, of, nowhere, origin, step = _geometry(scene, sets)
     areas = np.concatenate([sets.areas, nowhere])

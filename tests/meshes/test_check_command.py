@@ -4,10 +4,10 @@ import json
 
 import numpy as np
 import pytest
-from defects import bowl, mesh_of, near, sheet, turned
 from PIL import Image
 
 import meshes
+from tests.meshes.defects import bowl, mesh_of, near, sheet, turned
 
 
 @pytest.fixture

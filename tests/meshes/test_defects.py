@@ -4,13 +4,13 @@ import os
 
 import pytest
 import trimesh
-from defects import cases
 
 import exact
 import meshes
 from experiments.files.errors import InputError
 from experiments.request.request import request
 from experiments.request.rig import rig
+from tests.meshes.defects import cases
 
 # Of each defect in each shape; 10 make 210 cases, which take minutes.
 EACH = int(os.environ.get("CAMRING_DEFECTS", "2"))

@@ -5,10 +5,11 @@ import json
 import numpy as np
 import pytest
 import trimesh
-from file_variants import POLYGONS, TRIANGLES, VARIANTS, VERTICES, obj
 
 import exact
 import meshes
+from tests.meshes.file_variants import VARIANTS
+from tests.meshes.one_solid import POLYGONS, TRIANGLES, VERTICES, obj
 
 
 def written(folder, name, content):

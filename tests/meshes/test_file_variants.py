@@ -1,9 +1,9 @@
 """A file is read with the right area, or refused in words that fit: never with another area."""
 
 import pytest
-from file_variants import VARIANTS
 
 import meshes
+from tests.meshes.file_variants import VARIANTS
 
 
 @pytest.mark.parametrize("name", VARIANTS)

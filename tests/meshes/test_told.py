@@ -5,9 +5,9 @@ import json
 import numpy as np
 import pytest
 import trimesh
-from defects import bowl, mesh_of, sheet
 
 import meshes
+from tests.meshes.defects import bowl, mesh_of, sheet
 
 
 def saved(folder, mesh, name="scan.ply"):
