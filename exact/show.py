@@ -106,7 +106,7 @@ def add_surface(
     polygons, n_views, met, face = regions_from(reconstruction, camera, demand)
     key = np.where((n_views >= demand.threshold) & ~met, TOO_NEAR, n_views)
     base = np.stack([palette[int(one)] for one in key]) if len(key) else np.zeros((0, 3))
-    add_polygons(ax, polygons, shaded(base, reconstruction.scene.mesh.face_normals[face], camera))
+    add_polygons(ax, polygons, shaded(base, reconstruction.scene.everything.face_normals[face], camera))
     half = camera.fov[0] / 2
     ax.set(xlim=(-half, half), ylim=(-half, half), xticks=[], yticks=[], aspect="equal")
     return set(key.tolist())
@@ -169,7 +169,9 @@ def _own_view(reconstruction: "Reconstruction") -> Camera:
 
 def too_near(demand: Demand) -> str:
     """What `TOO_NEAR` means, in words."""
-    return f"enough cameras, no two {demand.baseline:g} mm apart"
+    short = [] if demand.baseline == 0 else [f"no two {demand.baseline:g} mm apart"]
+    short += [] if demand.max_error is None else [f"{demand.error} error above {demand.max_error:g} mm"]
+    return f"enough cameras, {' or '.join(short)}"
 
 
 def _words(count: int, threshold: int) -> str:

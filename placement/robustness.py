@@ -88,7 +88,7 @@ class Consensus:
     fractions : (L,) tuple of float
         Exact fractions of the L best distinct layouts, best first.
     distances : (M,) tuple of float
-        For each camera of the best layout the median, over the other layouts, of the angle to their camera next to
+        For each camera of the layout proposed the median, over the other layouts, of the angle to their camera next to
         it [rad]; 0 for no others. Small where all agree that a camera belongs.
     """
 
@@ -175,10 +175,10 @@ def consensus(result: Placement, n_layouts: int = 10) -> Consensus:
     if not (is_whole(n_layouts) and n_layouts >= 1):
         raise PlacementError(f"n_layouts is {n_layouts!r}; it must be a whole number, at least 1")
     best: tuple[Candidate, ...] = result.candidates[: int(n_layouts)]
-    theta = np.array(best[0].angles)
+    theta = np.array(result.angles)
     nearest = np.zeros((0, len(theta)))
-    if len(best) > 1:
-        others = np.array([found.angles for found in best[1:]])
+    others = np.array([found.angles for found in best if found.angles != result.angles])
+    if len(others):
         away = np.abs(np.angle(np.exp(1j * (theta[None, :, None] - others[:, None, :]))))
         nearest = away.min(axis=2)
     distances = np.median(nearest, axis=0) if len(nearest) else np.zeros(len(theta))

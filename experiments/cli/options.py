@@ -121,13 +121,13 @@ def asking(*wanted: str, otherwise: Mapping[str, str] | None = None) -> Callable
 
     Examples
     --------
-    >>> @asking("count", "Demand")
+    >>> @asking("count", "repair")
     ... def show(options: Given, json: Json = False):
-    ...     print(options["count"], options["min_baseline"], json)
-    >>> list(signature(show).parameters)[:3]
-    ['cameras', 'threshold', 'min_baseline']
-    >>> show(cameras=3, threshold=None, min_baseline=5.0, json=True)
-    3 5.0 True
+    ...     print(options["count"], options["repair"], json)
+    >>> list(signature(show).parameters)
+    ['cameras', 'repair', 'json']
+    >>> show(cameras=3, repair=None, json=True)
+    3 None True
     """
     return lambda function: Asking(function, wanted, otherwise or {})
 

@@ -33,7 +33,7 @@ def coverage_parts(result: exact.Reconstruction) -> dict[int, trimesh.Trimesh]:
     >>> {n_views: round(float(part.area), 6) for n_views, part in parts.items()}  # each sees a side, both the top
     {-1: 0.0, 0: 140.0, 1: 40.0, 2: 100.0}
     """
-    mesh, counted = result.scene.mesh, result.scene.counted
+    mesh, counted = result.scene.everything, result.scene.counted
     left_out = trimesh.Trimesh(mesh.vertices, mesh.faces[~counted], process=False)
     left_out.remove_unreferenced_vertices()
     by_views = {n_views: result.to_mesh(n_views) for n_views in range(result.threshold + 1)}

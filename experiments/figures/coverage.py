@@ -51,7 +51,7 @@ def write_coverage(
         told_apart = replace(demand, threshold=min(shades, len(cameras)))
         reconstructions.append(exact.evaluate(scene, cameras, demand=told_apart))
     seen = np.any([result.level_face_areas[0] > 0 for result in reconstructions], axis=0)
-    camera = display_camera(scene.mesh, ring, seen if seen.any() else scene.counted)
+    camera = display_camera(scene.mesh, ring, seen if seen.any() else scene.of_mesh(scene.counted))
     shown: set[int] = set()
     for panel, reconstruction, ax in zip(panels, reconstructions, axes[:-1], strict=True):
         shown |= add_surface(ax, reconstruction, camera, palette, demand)

@@ -126,20 +126,27 @@ def page(made: LayoutFile, shown: exact.Scene, count_table: Path) -> str:
 def _layouts(made: LayoutFile, shown: exact.Scene) -> tuple[list[dict[str, Any]], list]:
     """Rows of the table of layouts; for the histogram, names, best angles [degrees] and weights of two of them."""
     content, n = made.content, len(made.angles)
-    phase = np.radians(content["best_equidistant_phase_deg"])
+    phase, most = np.radians(content["best_equidistant_phase_deg"]), content.get("most_area")
+    other = None if most is None or most["angles_rad"] == made.angles.tolist() else most
     kinds = (
         ("equidistant", "equidistant", made.ring.equidistant(n)),
         ("best_equidistant", f"equidistant, best phase ({np.degrees(phase):.1f}°)", made.ring.equidistant(n, phase)),
+        *([("most_area", "most area", np.array(other["angles_rad"]))] if other else []),
         ("optimised", "optimised", made.angles),
     )
     rows, spreads = [], []
-    fractions, limits = content["fractions_of_ring_maximum"], constraints_of(content["constraints"])
+    areas, fractions = content["areas_mm2"], content["fractions_of_ring_maximum"]
+    if other:
+        areas = areas | {"most_area": other["area_mm2"]}
+        fractions = fractions | {"most_area": other["fraction_of_ring_maximum"]}
+    limits, errors = constraints_of(content["constraints"]), content.get("rms_errors_mm", {})
     for kind, name, angles in kinds:
         spread = placement.triangulation(shown, made.ring, angles, demand=made.demand, n_samples=ANGLE_SAMPLES)
         rows.append(
             {
                 "name": name,
-                "area": content["areas_mm2"][kind],
+                "area": areas[kind],
+                "error": errors.get(kind),
                 "fraction": fractions[kind],
                 "gain": None if kind == "equidistant" else fractions[kind] - fractions["equidistant"],
                 "breaks": next(iter(limits.violations(made.ring, angles)), None),
@@ -149,7 +156,7 @@ def _layouts(made: LayoutFile, shown: exact.Scene) -> tuple[list[dict[str, Any]]
                 "quantiles": tuple(np.degrees(spread.best_angle_quantiles(SHARES)).tolist()),
             }
         )
-        if kind != "best_equidistant":
+        if kind in ("equidistant", "optimised"):
             spreads.append((name, np.degrees(spread.best_angles), spread.weights))
     return rows, spreads
 

@@ -1,14 +1,14 @@
 """What a report says of the request: what was asked, and how to get the same layout again."""
 
 import shlex
-from dataclasses import asdict, fields
+from dataclasses import fields, replace
 from typing import Any
 
 import numpy as np
 
 import placement
 from experiments.request.layout_file import LayoutFile
-from experiments.request.options import sections
+from experiments.request.options import PARTS, keys, sections
 from experiments.request.rig_template import toml_value
 from meshes import EXPECTED
 
@@ -40,6 +40,12 @@ def asked(made: LayoutFile) -> list[tuple[str, str]]:
         ("field of view", f"{width:g} x {height:g} mm at the focus"),
         ("smallest separation", f"{limits['min_separation']:g} mm"),
     ]
+    if content.get("lights"):
+        rows.append(("lights", "; ".join(f"{_vector(light)} mm" for light in content["lights"])))
+    if content.get("obstacles"):
+        rows.append(("obstacles", f"{len(content['obstacles'])}, which hide and do not count"))
+    if content.get("give_up"):
+        rows.append(("given up for accuracy", f"at most {100 * content['give_up']:g} % of the ring maximum"))
     if tuple(ring.axis) != (0.0, 0.0, 1.0):
         rows.append(("ring's axis", _vector(ring.axis)))
     if limits["fixed"]:
@@ -84,7 +90,9 @@ def rig(made: LayoutFile) -> str:
         "focus": ring.focus,
         "axis": ring.axis,
         "count": content["n_cameras"],
-        **asdict(made.demand),
+        **_demanded(made),
+        "give_up": content.get("give_up", 0.0),
+        "light": content.get("lights") or None,
         "min_separation": limits["min_separation"],
         "min_baseline": limits["min_baseline"],
         "min_angle_deg": _degrees([limits["min_angle"]])[0],
@@ -102,15 +110,28 @@ def rig(made: LayoutFile) -> str:
         **{field.name: content["settings"].get(field.name) for field in fields(placement.Settings)},
     }
     lines = []
-    for section, keys in sections().items():
+    for section, known in sections().items():
         written = [
             f"{name} = {toml_value(values[name])}"
-            for name, key in keys.items()
+            for name, key in known.items()
             if values.get(name) is not None
             and (section in ("ring", "cameras") or _plain(values[name]) != _plain(key.default))
         ]
         lines += ["", f"[{section}]", *written] if written else []
     return "\n".join(lines[1:])
+
+
+def _demanded(made: LayoutFile) -> dict[str, Any]:
+    """What makes a point count, by the names of the keys."""
+    demand = made.demand if made.demand.depth_axis != made.ring.axis else replace(made.demand, depth_axis=None)
+    values = {}
+    for name in ("Demand", *PARTS["Demand"].values()):
+        part = demand if name == "Demand" else getattr(demand, name.lower())
+        for key in keys(name).values():
+            if name in key.classes:
+                value = getattr(part, key.field)
+                values[key.name] = _degrees([value])[0] if key.in_degrees and value is not None else value
+    return values
 
 
 def _exclusion(words: str) -> str:

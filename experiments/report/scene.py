@@ -203,7 +203,7 @@ def _geometry(scene: exact.Scene, sets: exact.ViewSets):
 
     After the sets come the empty one and what does not count.
     """
-    mesh, exclude, parts = scene.mesh, ~scene.counted, sets.to_mesh()
+    mesh, exclude, parts = scene.everything, ~scene.counted, sets.to_mesh()
     left_out = np.asarray(mesh.faces)[exclude] + len(parts.vertices)
     points = np.concatenate([parts.vertices, mesh.vertices])
     triangles = np.concatenate([parts.faces, left_out])

@@ -186,7 +186,7 @@ def keys(*classes: str) -> dict[str, Option]:
     Examples
     --------
     >>> [one.name for one in keys("Demand").values() if "Demand" in one.classes][:2]
-    ['threshold', 'min_baseline']
+    ['threshold', 'max_error']
     >>> keys()["min_baseline"].classes
     ('Constraints', 'Demand')
     """

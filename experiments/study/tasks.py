@@ -106,7 +106,7 @@ def placed(
     key = tuple((str(name), int(depth), str(mesh_hash)) for name, depth, mesh_hash in sites)
     problem = _problem(key, detail, objective, certify)
     constraints = placement.Constraints(min_separation, min_angle=float(np.radians(min_angle_deg)))
-    found = problem.optimise(n_cameras, constraints, certify=certify)
+    found = problem.optimise(n_cameras, constraints, certify=certify, give_up=0.0)
     certificate = found.certificate
     grid_fraction = None
     if certificate is not None and certificate.grid_angles is not None:

@@ -49,14 +49,14 @@ def _mounting(rows: Sequence[Row]) -> tuple[str, int]:
 
 
 def consensus_words(agreed: placement.Consensus, angles: Sequence[float]) -> str:
-    """How far the best layouts agree with the best of them, whose ring angles [rad] are given.
+    """How far the best layouts agree with the one proposed, whose ring angles [rad] are given.
 
     Examples
     --------
     >>> print(consensus_words(placement.Consensus((0.97, 0.96, 0.96), (0.0, 0.5)), (0.1, 2.0)))
-    Consensus: the 3 best distinct layouts reconstruct 97.00 % to 96.00 %. From each camera of the best it is this far \
-to the nearest one of the others, in the median: 1 (5.7°) 0.0°, 2 (114.6°) 28.6°. Where it is little, all agree on \
-the place; where it is much, other places serve as well.
+    Consensus: the 3 best distinct layouts reconstruct 97.00 % to 96.00 %. From each camera of the one proposed it is \
+this far to the nearest one of the others, in the median: 1 (5.7°) 0.0°, 2 (114.6°) 28.6°. Where it is little, all \
+agree on the place; where it is much, other places serve as well.
     """
     if len(agreed.fractions) == 1:
         return "Consensus: no other distinct layout was scored, so there is none to compare with."
@@ -67,8 +67,8 @@ the place; where it is much, other places serve as well.
     best, least = (f"{100 * fraction:.2f} %" for fraction in (agreed.fractions[0], agreed.fractions[-1]))
     return (
         f"Consensus: the {len(agreed.fractions)} best distinct layouts reconstruct {best} to {least}. From each camera "
-        f"of the best it is this far to the nearest one of the others, in the median: {away}. Where it is little, all "
-        "agree on the place; where it is much, other places serve as well."
+        f"of the one proposed it is this far to the nearest one of the others, in the median: {away}. Where it is "
+        "little, all agree on the place; where it is much, other places serve as well."
     )
 
 

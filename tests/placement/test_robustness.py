@@ -85,14 +85,16 @@ def test_consensus_of_the_best_layouts(bars):
     found = placement.consensus(result)
     assert found.fractions == tuple(c.fraction for c in result.candidates[:10]) and len(found.fractions) > 3
     by_hand = []
-    for camera in result.most_area.angles:
+    for camera in result.angles:
         nearest = [
             min(abs((camera - other + np.pi) % (2 * np.pi) - np.pi) for other in candidate.angles)
-            for candidate in result.candidates[1:10]
+            for candidate in result.candidates[:10]
+            if candidate.angles != result.angles
         ]
         by_hand.append(np.median(nearest))
     assert found.distances == pytest.approx(by_hand, abs=1e-12)
-    assert placement.consensus(result, n_layouts=1).distances == (0.0, 0.0, 0.0)
+    alone = placement.optimise(bars, RING, 3, settings=QUICK, certify=False, give_up=0.0)
+    assert placement.consensus(alone, n_layouts=1).distances == (0.0, 0.0, 0.0)
 
 
 def test_fewest_cameras(bars):

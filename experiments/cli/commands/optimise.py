@@ -213,7 +213,7 @@ def _print(asked: Request, result: placement.Placement, rows: list[layout_table.
     if found is not None:
         console.print(robustness_table.faults_table(rows))
         console.print(robustness_table.faults_caption(rows, asked.of))
-        console.print(robustness_table.consensus_words(placement.consensus(result), result.most_area.angles))
+        console.print(robustness_table.consensus_words(placement.consensus(result), result.angles))
         if found.pairs:
             area = sum(site.area for site in result.sites)
             console.print(robustness_table.pairs_words(found, area))

@@ -108,7 +108,7 @@ def test_a_further_field_of_a_demand_is_told_of(said):
         assert "--min-chord-cm <float>" in words
         assert "least chord between some two of the cameras that see a point [cm]" in words
     rig = (said["folder"] / "new.toml").read_text(encoding="utf-8")
-    assert tomllib.loads(rig)["demand"] == {"min_chord_cm": 0.0}
+    assert tomllib.loads(rig)["demand"]["min_chord_cm"] == 0.0
 
 
 def test_what_is_read_from_the_sources_is_what_the_classes_declare():
