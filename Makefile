@@ -7,15 +7,19 @@ OLDEST_TESTS := $(addprefix tests/,whole/test_dependencies.py exact/test_closed_
 	exact/test_oracle.py::test_awkward_meshes meshes/test_load.py placement/test_soft_coverage.py \
 	bad_input/test_refused.py)
 
-.PHONY: demo test test-oldest lint lock docs clean
+.PHONY: demo test coverage test-oldest lint lock docs clean
 
 demo: .venv/installed
 	$(BIN)/camring optimise circ_artery --depth 50 --cameras 4 --out out/demo --force
 
 # Needs Chromium or Chrome too, to look at reports with: on Debian and Ubuntu, apt-get install chromium.
 test: .venv/installed-test lint
+	$(BIN)/pytest -n 2
+
+# The same, counting which lines the tests reach, in worker processes and commands too: it takes three times as long.
+coverage: .venv/installed-test
 	$(BIN)/pytest -n 2 --cov --cov-report=
-	@echo "lines that the tests reach: $$($(BIN)/coverage report --format=total) %"
+	$(BIN)/coverage report
 
 # The oldest releases that pyproject.toml allows, in an environment of their own. What they warn of is of their time.
 test-oldest: .venv-oldest/installed
