@@ -63,8 +63,9 @@ class Optics:
     def sharp(self, camera: Camera, blur: float) -> tuple[float, float]:
         """Least and greatest depth [mm] at which a point is imaged as a disc of at most `blur` [pixels].
 
-        With the pupil's diameter D and the focus distance g, the disc of a point at depth z is, at depth g,
-        D |z - g| / z wide: z is from g / (1 + c) to g / (1 - c), where c is the blur allowed at depth g over D.
+        With the pupil's diameter D and the focus distance g, the disc of a point at depth z is, at depth g, as wide as
+        D times the distance of z from g over z: z is from g / (1 + c) to g / (1 - c), where c is the blur allowed, as a
+        length at depth g, over D.
         """
         if self.pupil is None:
             return 0.0, np.inf
