@@ -185,6 +185,8 @@ def serve() -> None:
     for line in sys.stdin:
         folder = shutil.copytree(given, Path(tempfile.mkdtemp()) / "work")
         os.chdir(folder)
+        # Each remembers for itself: what one before it has found would leave its workers nothing to do.
+        os.environ["XDG_CACHE_HOME"] = str(folder.parent / "cache")
         process = started(**json.loads(line))
         if process is None:
             return

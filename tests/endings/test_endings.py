@@ -58,9 +58,8 @@ def run(tmp_path_factory, quick_search):
     rig = put(folder, "rig.toml", "[cameras]\ncount = 2\n" + quick_search)
     with pytest.raises(SystemExit):
         main(["optimise", str(folder / "part.stl"), "--rig", str(rig), "--out", str(folder / "made")])
-    # Where nothing is remembered, or workers would have nothing to do; and coverage traces nothing that is timed.
+    # Coverage traces nothing that is timed.
     environment = {name: value for name, value in os.environ.items() if not name.startswith("COVERAGE_")}
-    environment |= {"XDG_CACHE_HOME": str(tmp_path_factory.mktemp("cache"))}
     pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True, "env": environment}
     with subprocess.Popen([sys.executable, "-W", "ignore", HERE / "struck.py", folder], **pipes) as program:
 
@@ -100,8 +99,7 @@ def test_a_command_ends_at_once_whatever_its_workers_do(run, fault):
     ("fault", "end"),
     [
         ("interrupted while a library computes", FAULTS["interrupted"]),
-        # Ends at once, but with status 70: not understood yet.
-        pytest.param("a library computes in a thread", FAULTS["refused"], marks=pytest.mark.xfail(strict=False)),
+        ("a library computes in a thread", FAULTS["refused"]),
     ],
 )
 def test_a_command_ends_at_once_whatever_its_libraries_do(run, fault, end):
