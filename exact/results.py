@@ -13,7 +13,6 @@ from exact.errors import ExactError
 from exact.predicted.errors import Errors, errors_over
 from exact.predicted.reconstructed import area_by_face, reconstructed
 from exact.scene import Scene
-from exact.usable.information import variance
 from exact.visibility.coverage import Pieces, Tally, tally
 from exact.visibility.triangulated import triangulated
 
@@ -192,6 +191,5 @@ class Reconstruction:
         predictor, face = self.demand.predictor(self._cameras, self.scene.surface), mesh.face_attributes["parent"]
         total = predictor.totals(np.asarray(mesh.triangles_center), seen)
         for error in ("depth", "normal"):
-            found = np.sqrt(np.maximum(variance(total, predictor.directions(error, face)), 0.0))
-            mesh.face_attributes[f"{error}_error"] = found
+            mesh.face_attributes[f"{error}_error"] = predictor.deviations(error, face, total)
         return mesh

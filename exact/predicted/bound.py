@@ -35,10 +35,6 @@ class Predictor:
     optics: Optics
     axis: np.ndarray
 
-    def directions(self, error: str, face: np.ndarray) -> np.ndarray:
-        """(N, 3) unit vectors along which errors on the faces (N,) are measured: "depth" or "normal"."""
-        return self.surface.normals[face] if error == "normal" else np.broadcast_to(self.axis, (len(face), 3))
-
     def totals(self, points: np.ndarray, seen: np.ndarray) -> np.ndarray:
         """(N, 6) information [1/mm²] about points (N, 3) [mm] from the cameras that see them, (N, M) bool."""
         total = np.zeros((len(points), 6))
@@ -49,8 +45,12 @@ class Predictor:
 
     def errors(self, error: str, face: np.ndarray, inner: np.ndarray, seen: np.ndarray) -> np.ndarray:
         """(N,) standard deviation [mm] at points given by face and face coordinates (N, 2), seen by `seen` (N, M)."""
-        total = self.totals(self.surface.points(face, inner), seen)
-        return np.sqrt(np.maximum(variance(total, self.directions(error, face)), 0.0))
+        return self.deviations(error, face, self.totals(self.surface.points(face, inner), seen))
+
+    def deviations(self, error: str, face: np.ndarray, total: np.ndarray) -> np.ndarray:
+        """(N,) standard deviation [mm] of points on the faces (N,) about which this (N, 6) is known."""
+        along = self.surface.normals[face] if error == "normal" else self.axis
+        return np.sqrt(np.maximum(variance(total, along), 0.0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,23 +77,17 @@ class ErrorBound:
 
     def holds_all_over(self, face: np.ndarray, seen: np.ndarray) -> np.ndarray:
         """(N,) bool: the whole of each face (N,) surely keeps it, seen by the cameras `seen` (N, M)."""
-        surface = self.predictor.surface
-        centre, radius = _circles(surface, face)
-        total = self.predictor.totals(centre, seen)
-        at_centre = np.sqrt(np.maximum(variance(total, self.predictor.directions(self.error, face)), 0.0))
-        share = radius / nearest(self.predictor.cameras, centre)
+        predictor, surface = self.predictor, self.predictor.surface
+        centre, share = sizes(predictor.cameras, surface.vertices[surface.faces[face]])
+        total = predictor.totals(centre, seen)
+        at_centre = predictor.deviations(self.error, face, total)
         with np.errstate(invalid="ignore"):
             most = at_centre + CHANGE * share * np.sqrt(np.maximum(spread(total), 0.0))
         return (share < SMALL) & (most <= self.largest)
 
 
-def nearest(cameras: Sequence[Camera], points: np.ndarray) -> np.ndarray:
-    """(N,) least distance [mm] between points (N, 3) and one of the cameras."""
-    return np.min([np.linalg.norm(points - camera.position, axis=1) for camera in cameras], axis=0)
-
-
-def _circles(surface: Surface, face: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(N, 3) centres of faces and (N,) how far their corners are away [mm]."""
-    corner = surface.vertices[surface.faces[face]]
+def sizes(cameras: Sequence[Camera], corner: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(N, 3) centres of triangles (N, 3, 3) [mm], and (N,) how far they reach from there beside the nearest camera."""
     centre = corner.mean(axis=1)
-    return centre, np.linalg.norm(corner - centre[:, None], axis=2).max(axis=1)
+    radius = np.linalg.norm(corner - centre[:, None], axis=2).max(axis=1)
+    return centre, radius / np.min([np.linalg.norm(centre - camera.position, axis=1) for camera in cameras], axis=0)

@@ -5,10 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from exact.predicted.bound import Predictor, nearest
-from exact.predicted.contour import triangulate
-from exact.usable.information import variance
+from exact.predicted.bound import Predictor, sizes
+from exact.predicted.triangles import Triangles
 from exact.visibility.coverage import Pieces
+from exact.visibility.projection import UNIT_FRAME
+from exact.visibility.triangulated import triangles_in
 
 # Triangles are quartered until they are smaller than this beside their distance from the cameras; of those that are
 # smaller still their centre speaks for all, to a millionth.
@@ -56,42 +57,39 @@ class Errors:
 def errors_over(predictor: Predictor, whole: np.ndarray, whole_seen: np.ndarray, pieces: Pieces, weights) -> Errors:
     """Errors over the faces `whole` (W,), seen by `whole_seen` (W, M), and over pieces; `weights` (F,) or None."""
     surface = predictor.surface
-    cut = triangulate(pieces.polygon)
-    face = np.concatenate([whole, pieces.face[cut.piece]])
-    seen = np.concatenate([whole_seen, pieces.seen[cut.piece]])
-    unit = np.array([[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]])
-    corner = np.concatenate([np.repeat(unit, len(whole), axis=0), cut.corner])
-    face, seen, corner, is_tiny = _small(predictor, face, seen, corner)
-    sides = corner[:, 1:] - corner[:, :1]
-    area = surface.areas[face] * np.abs(sides[:, 0, 0] * sides[:, 1, 1] - sides[:, 0, 1] * sides[:, 1, 0])
-    area = area if weights is None else area * weights[face]
-    nodes = np.einsum("nk,tki->tni", NODES, corner[~is_tiny]).reshape(-1, 2)
-    inner = np.concatenate([corner[is_tiny].mean(axis=1), nodes])
-    face, seen, area = (
-        np.concatenate([values[is_tiny], np.repeat(values[~is_tiny], 3, axis=0)]) for values in (face, seen, area)
-    )
-    area[is_tiny.sum() :] /= 3
+    face, seen = np.concatenate([whole, pieces.face]), np.concatenate([whole_seen, pieces.seen])
+    piece, corner = triangles_in(pieces.polygon)
+    unit = np.broadcast_to(UNIT_FRAME, (len(whole), 3, 2))
+    piece = np.concatenate([np.arange(len(whole)), len(whole) + piece])
+    triangles, is_tiny = _small(predictor, face, Triangles(piece, np.concatenate([unit, corner])))
+    tiny, others = triangles.take(is_tiny), triangles.take(~is_tiny)
+    nodes = np.einsum("nk,tki->tni", NODES, others.corner).reshape(-1, 2)
+    inner = np.concatenate([tiny.corner.mean(axis=1), nodes])
+    piece = np.concatenate([tiny.piece, np.repeat(others.piece, 3)])
+    face, seen = face[piece], seen[piece]
+    shares = np.concatenate([_shares(tiny.corner), np.repeat(_shares(others.corner) / 3, 3)])
+    area = surface.areas[face] * shares if weights is None else surface.areas[face] * shares * weights[face]
     total = predictor.totals(surface.points(face, inner), seen)
-    depth, normal = (
-        np.sqrt(np.maximum(variance(total, predictor.directions(error, face)), 0.0)) for error in ("depth", "normal")
-    )
+    depth, normal = (predictor.deviations(error, face, total) for error in ("depth", "normal"))
     return Errors(depth, normal, area)
 
 
-def _small(predictor: Predictor, face: np.ndarray, seen: np.ndarray, corner: np.ndarray):
+def _shares(corner: np.ndarray) -> np.ndarray:
+    """(N,) what part of their faces triangles (N, 3, 2) are."""
+    one, two = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
+    return np.abs(one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0])
+
+
+def _small(predictor: Predictor, face: np.ndarray, triangles: Triangles) -> tuple[Triangles, np.ndarray]:
     """The same triangles, quartered until they are small beside their distance from the cameras, and which are tiny."""
-    surface, done = predictor.surface, []
-    while len(face):
-        at = surface.points(np.repeat(face, 3), corner.reshape(-1, 2)).reshape(-1, 3, 3)
-        centre = at.mean(axis=1)
-        size = np.linalg.norm(at - centre[:, None], axis=2).max(axis=1) / nearest(predictor.cameras, centre)
-        far = size > FINE
-        done.append((face[~far], seen[~far], corner[~far], size[~far] < TINY))
-        a, b, c = corner[far].transpose(1, 0, 2)
-        ab, bc, ca = (a + b) / 2, (b + c) / 2, (c + a) / 2
-        parts = [(a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca)]
-        corner = np.concatenate([np.stack(part, axis=1) for part in parts])
-        face, seen = np.tile(face[far], 4), np.tile(seen[far], (4, 1))
-    if not done:
-        return face, seen, corner, np.zeros(0, dtype=bool)
-    return tuple(np.concatenate(part) for part in zip(*done, strict=True))
+    done, is_tiny = [], []
+    while True:
+        _, size = sizes(predictor.cameras, triangles.points(predictor.surface, face))
+        is_small = size <= FINE
+        done.append(triangles.take(is_small))
+        is_tiny.append(size[is_small] < TINY)
+        if is_small.all():
+            break
+        triangles = triangles.take(~is_small).quartered()
+    piece, corner = (np.concatenate([getattr(part, name) for part in done]) for name in ("piece", "corner"))
+    return Triangles(piece, corner), np.concatenate(is_tiny)

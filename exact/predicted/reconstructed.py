@@ -38,10 +38,10 @@ def divided(
 
     Also which whole faces do, (F,) bool, and which pieces, (P,) bool.
     """
-    whole, parts = reconstructed(surface, counted, seen, criterion)
-    everything = np.arange(len(surface.areas))
     if criterion.bound is None:
+        everything = np.arange(len(surface.areas))
         return seen, criterion.met(seen.whole_seen, everything), criterion.met(seen.pieces.seen, seen.pieces.face)
+    whole, parts = reconstructed(surface, counted, seen, criterion)
     pieces, is_cut = seen.pieces, seen.is_cut.copy()
     new = np.setdiff1d(parts.face, np.flatnonzero(is_cut))
     is_cut[new] = True

@@ -11,7 +11,8 @@ import numpy as np
 
 from exact.usable.limits import Limits
 from exact.usable.optics import Optics
-from exact.visibility.projection import Image
+from exact.visibility.projection import UNIT_FRAME, Image, lone_corner_first
+from exact.visibility.screen import barycentric
 from exact.visibility.silhouettes import MARGIN, Cuts
 
 # An arc is cut along chords of at most this angle [rad], and along at least so many. They are moved outwards so far
@@ -99,10 +100,9 @@ class Usable:
 
 def _level(value: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Segments where affine functions with these values at the corners, (N, 3) of both signs, are 0: ends (N, 2)."""
-    alone = np.argmax((value > 0) == ((value > 0).sum(axis=1) == 1)[:, None], axis=1)
-    turn = (alone[:, None] + np.arange(3)) % 3
+    turn, _ = lone_corner_first(value > 0)
     value = np.take_along_axis(value, turn, axis=1)
-    corner = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])[turn]
+    corner = UNIT_FRAME[turn]
     t = value[:, :1] / (value[:, :1] - value[:, 1:])
     ends = corner[:, :1] + t[:, :, None] * (corner[:, 1:] - corner[:, :1])
     along = ends[:, 1] - ends[:, 0]
@@ -115,8 +115,7 @@ def _distance_to(flat: np.ndarray) -> np.ndarray:
     length_squared = np.maximum((side**2).sum(axis=2), 1e-300)
     t = np.clip(-(flat * side).sum(axis=2) / length_squared, 0.0, 1.0)
     nearest = flat + t[:, :, None] * side
-    turn = side[:, :, 0] * -flat[:, :, 1] + side[:, :, 1] * flat[:, :, 0]
-    inside = (turn >= 0).all(axis=1) | (turn <= 0).all(axis=1)
+    inside = (barycentric(flat[:, :, 0], flat[:, :, 1], np.zeros(1), np.zeros(1)) >= 0).all(axis=1)
     return np.where(inside, 0.0, np.hypot(nearest[:, :, 0], nearest[:, :, 1]).min(axis=1))
 
 

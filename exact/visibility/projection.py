@@ -84,7 +84,7 @@ def project(surface: Surface, camera: Camera) -> Image:
         points, part_corners, part_parent, part_frame = _clip_near(local, faces, cut, ahead, near)
         corners = np.concatenate([corners, part_corners + len(local)])
         local, ahead = np.concatenate([local, points]), np.concatenate([ahead, np.ones(len(points), dtype=bool)])
-        frame = np.concatenate([np.broadcast_to(_UNIT_FRAME, (len(parent), 3, 2)), part_frame])
+        frame = np.concatenate([np.broadcast_to(UNIT_FRAME, (len(parent), 3, 2)), part_frame])
         is_part = np.concatenate([is_part, np.ones(len(part_parent), dtype=bool)])
         parent = np.concatenate([parent, part_parent])
     inverse_depth = np.divide(1.0, local[:, 2], out=np.full(len(local), np.nan), where=ahead)
@@ -105,7 +105,7 @@ def image_polygons(surface: Surface, camera: Camera, face: np.ndarray, polygon: 
     return np.asarray(shapely.set_coordinates(np.array(polygon, dtype=object), image))
 
 
-_UNIT_FRAME = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
+UNIT_FRAME = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
 
 
 def _front(surface: Surface, camera: Camera) -> np.ndarray:
@@ -128,11 +128,9 @@ def _clip_near(local: np.ndarray, faces: np.ndarray, cut: np.ndarray, ahead: np.
         chosen = cut[ahead[faces[cut]].sum(axis=1) == n_ahead]
         if not len(chosen):
             continue
-        # Turn each face so that its lone corner (the only one in front, or the only one behind) comes first.
-        lone = np.argmax(ahead[faces[chosen]] == (n_ahead == 1), axis=1)
-        turn = (lone[:, None] + np.arange(3)) % 3
+        turn, _ = lone_corner_first(ahead[faces[chosen]])
         corner = local[np.take_along_axis(faces[chosen], turn, axis=1)]
-        frame = _UNIT_FRAME[turn]
+        frame = UNIT_FRAME[turn]
         depth = corner[:, :, 2]
         t = ((near - depth[:, :1]) / (depth[:, 1:] - depth[:, :1]))[:, :, None]
         new = corner[:, :1] + t * (corner[:, 1:] - corner[:, :1])
@@ -150,3 +148,13 @@ def _clip_near(local: np.ndarray, faces: np.ndarray, cut: np.ndarray, ahead: np.
             parents.append(chosen)
     points, frame, parent = np.concatenate(points), np.concatenate(frames), np.concatenate(parents)
     return points.reshape(-1, 3), np.arange(3 * len(points)).reshape(-1, 3), parent, frame
+
+
+def lone_corner_first(side: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Turns of triangles of which one corner is on one side and two are on the other, by which side, (N, 3) bool.
+
+    (N, 3) the corners in order, beginning with the lone one, and (N,) whether that one's side is the true one.
+    """
+    is_true = side.sum(axis=1) == 1
+    lone = np.argmax(side == is_true[:, None], axis=1)
+    return (lone[:, None] + np.arange(3)) % 3, is_true

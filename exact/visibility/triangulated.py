@@ -18,12 +18,8 @@ def triangulated(
     """
     import trimesh
 
-    polygons, owner = shapely.get_parts(piece, return_index=True)
-    collections = shapely.constrained_delaunay_triangles(polygons) if len(polygons) else polygons
-    triangles, polygon = shapely.get_parts(collections, return_index=True)
-    piece_of = owner[polygon]
+    piece_of, inner = triangles_in(piece)
     parent = piece_face[piece_of]
-    inner = shapely.get_coordinates(triangles).reshape(-1, 4, 2)[:, :3]
     turned = np.cross(_as_3d(inner[:, 1] - inner[:, 0]), _as_3d(inner[:, 2] - inner[:, 0]))[:, 2] < 0
     inner[turned] = inner[turned, ::-1]
     corner = np.asarray(mesh.triangles)[parent]
@@ -35,6 +31,14 @@ def triangulated(
     result = trimesh.Trimesh(vertices, faces, process=False)
     result.face_attributes["parent"] = np.concatenate([whole, parent])
     return result, piece_of
+
+
+def triangles_in(polygon: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Triangles of polygons and multipolygons (P,): which each is from, (N,), and its corners, (N, 3, 2)."""
+    parts, owner = shapely.get_parts(polygon, return_index=True)
+    collections = shapely.constrained_delaunay_triangles(parts) if len(parts) else parts
+    triangles, part = shapely.get_parts(collections, return_index=True)
+    return owner[part], shapely.get_coordinates(triangles).reshape(-1, 4, 2)[:, :3]
 
 
 def in_space(mesh, face: np.ndarray, polygon: np.ndarray) -> np.ndarray:

@@ -124,11 +124,11 @@ def rig(made: LayoutFile) -> str:
 def _demanded(made: LayoutFile) -> dict[str, Any]:
     """What makes a point count, by the names of the keys."""
     demand = made.demand if made.demand.depth_axis != made.ring.axis else replace(made.demand, depth_axis=None)
+    parts = {"Demand": demand} | {kind: getattr(demand, name) for name, kind in PARTS["Demand"].items()}
     values = {}
-    for name in ("Demand", *PARTS["Demand"].values()):
-        part = demand if name == "Demand" else getattr(demand, name.lower())
-        for key in keys(name).values():
-            if name in key.classes:
+    for kind, part in parts.items():
+        for key in keys(kind).values():
+            if kind in key.classes:
                 value = getattr(part, key.field)
                 values[key.name] = _degrees([value])[0] if key.in_degrees and value is not None else value
     return values

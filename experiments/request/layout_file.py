@@ -2,7 +2,7 @@
 
 import difflib
 import json
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +14,7 @@ from exact.requests import checked_demand, demand_keywords
 from experiments.files.errors import InputError
 from experiments.files.whole import written_whole
 from experiments.request.declared_fields import declared
-from experiments.request.options import CLASSES
+from experiments.request.options import CLASSES, PARTS
 from meshes import fingerprint
 
 if TYPE_CHECKING:  # at run time it would bring jax along, which reading a layout hardly ever needs
@@ -34,8 +34,6 @@ FIELDS = (
     "objective", "poses",
     "falloff_mm", "constraints", "certificate", "settings", "seed", "versions", "robustness",
 )  # fmt: skip
-# What of a demand has fields of its own.
-PARTS = {"limits": exact.Limits, "optics": exact.Optics}
 # Angles in degrees and in radians that differ by more than this [rad] were not meant to be the same.
 SAME_ANGLE = 1e-6
 
@@ -227,18 +225,18 @@ def _demand(content: dict[str, Any], ring: exact.Ring, n_cameras: int) -> exact.
         raise InputError(f'"demand" is {str(given)[:80]}; it must give some of {", ".join(known)}')
     if "threshold" in content and given.get("threshold", threshold) != threshold:
         raise InputError(f'"threshold" is {threshold} and in "demand" {given["threshold"]!r}; leave one of them out')
-    parts = {name: _part(kind, given[name]) for name, kind in PARTS.items() if name in given}
+    parts = {name: _part(kind, given[name]) for name, kind in PARTS["Demand"].items() if name in given}
     demand = checked_demand({"threshold": threshold} | given | parts)
     demand.refuse_fewer(n_cameras)
     return replace(demand, min_baseline=max(demand.min_baseline, _baseline(content, ring)))
 
 
-def _part(kind: type, given: Any) -> Any:
+def _part(kind: str, given: Any) -> Any:
     """The limits or optics of a demand."""
-    known = tuple(field.name for field in fields(kind))
+    known = tuple(field.name for field in declared(*CLASSES[kind]))
     if not isinstance(given, dict) or not set(given) <= set(known):
-        raise InputError(f'"{kind.__name__.lower()}" is {str(given)[:80]}; it must give some of {", ".join(known)}')
-    return kind(**given)
+        raise InputError(f'"{kind.lower()}" is {str(given)[:80]}; it must give some of {", ".join(known)}')
+    return getattr(exact, kind)(**given)
 
 
 def _baseline(content: dict[str, Any], ring: exact.Ring) -> float:

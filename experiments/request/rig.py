@@ -13,8 +13,6 @@ from typing import Any
 import exact
 import placement
 from exact import demand
-from exact.usable.limits import Limits
-from exact.usable.optics import Optics
 from experiments.files.errors import InputError
 from experiments.request.options import PARTS, Option, fields_of, keys, sections
 
@@ -135,11 +133,7 @@ def rig(path: Path | None = None, **options: Any) -> Rig:
     return Rig(
         **fields_of("Ring", values),
         n_cameras=values["count"],
-        demand=demand.Demand(
-            **fields_of("Demand", values),
-            limits=Limits(**fields_of("Limits", values)),
-            optics=Optics(**fields_of("Optics", values)),
-        ),
+        demand=overridden(demand.Demand(), values),
         constraints=constraints,
         settings=placement.Settings(**fields_of("Settings", values)),
         **{

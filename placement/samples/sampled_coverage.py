@@ -108,33 +108,20 @@ class SampledCoverage:
         seen = self.profiles.at(theta)
         count = seen.sum(axis=0)
         threshold = self.demand.threshold
-        if self.demand.max_error is not None:
-            return self._accurate_with_one_more(theta, seen, count)
-        if self.demand.baseline == 0:
+        if self.demand.baseline == 0 and self.demand.max_error is None:
             already = self.profiles.sums(count >= threshold)
             return _worth(self._sums(np.flatnonzero(count == threshold - 1)) + already[:, None])
-        paired = Criterion(2, self._far(theta, theta)).enough(seen.T)
-        done = (count >= threshold) & paired
-        waiting = np.flatnonzero((count >= threshold - 1) & ~done)
-        partner = seen[:, waiting].T.astype(np.float32) @ self._far(theta, self.grid).astype(np.float32) > 0
-        now_seen = self._seen[waiting] > 0
-        enough = (count[waiting] >= threshold)[:, None] | now_seen
-        linked = paired[waiting][:, None] | (partner & now_seen)
-        won = (enough & linked).astype(np.float32)
-        weights = self._weights[waiting] * (self.profiles.site[waiting] == np.arange(self.profiles.n_sites)[:, None])
-        return _worth((weights.astype(np.float32) @ won).astype(np.float64) + self.profiles.sums(done)[:, None])
-
-    def _accurate_with_one_more(self, theta, seen, count) -> Float[np.ndarray, " G"]:
-        """`worth_with_one_more` where errors are bounded: cameras more only lessen them."""
+        # One camera more undoes nothing: it only adds baselines and lessens errors.
         done = samples_met(seen, theta, self.demand, self.ring, self.profiles.noise)
-        waiting = np.flatnonzero((count >= self.demand.threshold - 1) & ~done)
+        waiting = np.flatnonzero((count >= threshold - 1) & ~done)
         now_seen = self._seen[waiting] > 0
-        covered, _ = self._covered_with_one_more(
-            theta, seen[:, waiting], now_seen, self.grid, self.profiles.noise[waiting]
-        )
+        won = self._covered_with_one_more(theta, seen[:, waiting], now_seen, self.grid)
+        if self.demand.max_error is not None:
+            noise = self.profiles.noise[waiting]
+            won &= self._variances(theta, seen[:, waiting], now_seen, self.grid, noise) <= self.demand.max_error**2
         weights = self._weights[waiting] * (self.profiles.site[waiting] == np.arange(self.profiles.n_sites)[:, None])
-        won = (weights.astype(np.float32) @ covered.astype(np.float32)).astype(np.float64)
-        return _worth(won + self.profiles.sums(done)[:, None])
+        gained = weights.astype(np.float32) @ won.astype(np.float32)
+        return _worth(gained.astype(np.float64) + self.profiles.sums(done)[:, None])
 
     def measured_with_one_more(self, angles, grid=None) -> tuple[Float[np.ndarray, " G"], Float[np.ndarray, " G"]]:
         """`worth` and `error` of (M - 1,) ring angles [rad] and one more at each of `grid`, by default `pair_grid`."""
@@ -143,8 +130,11 @@ class SampledCoverage:
         grid = self.pair_grid if grid is None else np.asarray(grid, dtype=np.float64)
         seen = self.profiles.at(theta)
         which = np.flatnonzero(seen.sum(axis=0) >= self.demand.threshold - 1)
-        noise = self.profiles.noise[which]
-        covered, variances = self._covered_with_one_more(theta, seen[:, which], seen_from[which] > 0, grid, noise)
+        now_seen = seen_from[which] > 0
+        covered = self._covered_with_one_more(theta, seen[:, which], now_seen, grid)
+        variances = self._variances(theta, seen[:, which], now_seen, grid, self.profiles.noise[which])
+        if self.demand.max_error is not None:
+            covered &= variances <= self.demand.max_error**2
         weights = np.where(covered, self.profiles.weights[which, None], 0.0)
         total = weights.sum(axis=0)
         squares = (weights * np.where(covered, variances, 0.0)).sum(axis=0)
@@ -158,20 +148,26 @@ class SampledCoverage:
         seen: Bool[np.ndarray, "M W"],
         now_seen: Bool[np.ndarray, "W G"],
         grid: Float[np.ndarray, " G"],
-        noise: Float[np.ndarray, " W"],
-    ) -> tuple[Bool[np.ndarray, "W G"], Float[np.ndarray, "W G"]]:
-        """Whether W points count with one more camera at each of `grid`, and the variances of their errors."""
+    ) -> Bool[np.ndarray, "W G"]:
+        """Whether cameras enough see W points, and far enough apart, with one more at each of `grid`."""
         covered = seen.sum(axis=0)[:, None] + now_seen >= self.demand.threshold
         if self.demand.baseline > 0:
-            paired = Criterion(2, self._far(theta, theta)).enough(seen.T)
-            partner = seen.T.astype(np.float32) @ self._far(theta, grid).astype(np.float32) > 0
+            paired = Criterion(2, _far(theta, theta, self.demand, self.ring)).enough(seen.T)
+            partner = seen.T.astype(np.float32) @ _far(theta, grid, self.demand, self.ring).astype(np.float32) > 0
             covered &= paired[:, None] | (partner & now_seen)
+        return covered
+
+    def _variances(
+        self,
+        theta: Float[np.ndarray, " M"],
+        seen: Bool[np.ndarray, "M W"],
+        now_seen: Bool[np.ndarray, "W G"],
+        grid: Float[np.ndarray, " G"],
+        noise: Float[np.ndarray, " W"],
+    ) -> Float[np.ndarray, "W G"]:
+        """Variances [mm²] of the errors of W points with one more camera at each of `grid`."""
         moment = (np.exp(1j * theta) @ seen)[:, None] + np.where(now_seen, np.exp(1j * grid), 0)
-        count = seen.sum(axis=0)[:, None] + now_seen
-        variances = _variances(count, moment, self.ring, noise[:, None])
-        if self.demand.max_error is not None:
-            covered &= variances <= self.demand.max_error**2
-        return covered, variances
+        return _variances(seen.sum(axis=0)[:, None] + now_seen, moment, self.ring, noise[:, None])
 
     def worth_with_two_more(self, angles) -> Float[np.ndarray, "G G"]:
         """(G, G) `worth` of (M - 2,) ring angles [rad] and two more on `pair_grid`; any baseline is left out."""
@@ -257,10 +253,6 @@ class SampledCoverage:
                 break
         return theta
 
-    def _far(self, first: Float[np.ndarray, " A"], second: Float[np.ndarray, " B"]) -> Bool[np.ndarray, "A B"]:
-        chord = self.ring.diameter * np.abs(np.sin((first[:, None] - second[None, :]) / 2))
-        return self.demand.apart(chord)
-
 
 def samples_met(
     seen: Bool[np.ndarray, "M N"],
@@ -270,11 +262,18 @@ def samples_met(
     noise: Float[np.ndarray, " N"],
 ) -> Bool[np.ndarray, " N"]:
     """(N,) bool: which samples the cameras at these ring angles [rad] reconstruct; `noise` as of `RingProfiles`."""
-    chord = ring.diameter * np.abs(np.sin((angles[:, None] - angles[None, :]) / 2))
-    met = Criterion(demand.threshold, demand.apart(chord) if demand.baseline > 0 else None).enough(seen.T)
+    far = _far(angles, angles, demand, ring) if demand.baseline > 0 else None
+    met = Criterion(demand.threshold, far).enough(seen.T)
     if demand.max_error is not None:
         met[met] = variances_of(seen[:, met], angles, ring, noise[met]) <= demand.max_error**2
     return met
+
+
+def _far(
+    first: Float[np.ndarray, " A"], second: Float[np.ndarray, " B"], demand: exact.Demand, ring: exact.Ring
+) -> Bool[np.ndarray, "A B"]:
+    """(A, B) bool: ring angles [rad] that are far enough apart."""
+    return demand.apart(ring.diameter * np.abs(np.sin((first[:, None] - second[None, :]) / 2)))
 
 
 def variances_of(
