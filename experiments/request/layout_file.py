@@ -228,7 +228,9 @@ def _demand(content: dict[str, Any], ring: exact.Ring, n_cameras: int) -> exact.
     parts = {name: _part(kind, given[name]) for name, kind in PARTS["Demand"].items() if name in given}
     demand = checked_demand({"threshold": threshold} | given | parts)
     demand.refuse_fewer(n_cameras)
-    return replace(demand, min_baseline=max(demand.min_baseline, _baseline(content, ring)))
+    # A file written by hand need not say along what depth is measured: on a ring, along its axis.
+    axis = demand.depth_axis or ring.axis
+    return replace(demand, min_baseline=max(demand.min_baseline, _baseline(content, ring)), depth_axis=axis)
 
 
 def _part(kind: str, given: Any) -> Any:

@@ -125,10 +125,7 @@ def rig(path: Path | None = None, **options: Any) -> Rig:
     values = {name: key.default for name, key in known.items()}
     if path is not None:
         values |= read(path)
-    for name, value in options.items():
-        if value is not None:
-            words = known[name].kind.from_words
-            values[name] = words(value, known[name].flag) if words and isinstance(value, str) else value
+    values |= _understood(options)
     constraints = placement.Constraints(**fields_of("Constraints", values))
     return Rig(
         **fields_of("Ring", values),
@@ -151,20 +148,31 @@ def overridden(asked: exact.Demand, options: Mapping[str, Any]) -> exact.Demand:
     ----------
     asked : exact.Demand
     options : mapping
-        Values by the names of their keys, those of other classes too; None for an option that was not given.
+        Values or the texts of options by the names of their keys, those of other classes too; None for an option that
+        was not given.
 
     Raises
     ------
-    ExactError
+    InputError, ExactError
 
     Examples
     --------
     >>> overridden(exact.Demand(3, 1.0), {"threshold": None, "min_baseline": 5.0, "repair": None}).words
     'seen by at least 3 cameras, two of them at least 5 mm apart'
     """
-    given = {name: value for name, value in options.items() if value is not None}
+    given = _understood(options)
     parts = {name: replace(getattr(asked, name), **fields_of(kind, given)) for name, kind in PARTS["Demand"].items()}
     return replace(asked, **fields_of("Demand", given), **parts)
+
+
+def _understood(options: Mapping[str, Any]) -> dict[str, Any]:
+    """The options that were given, with what their texts stand for."""
+    known, values = keys(), {}
+    for name, value in options.items():
+        if value is not None:
+            words = known[name].kind.from_words
+            values[name] = words(value, known[name].flag) if words and isinstance(value, str) else value
+    return values
 
 
 def read(path: Path) -> dict[str, Any]:

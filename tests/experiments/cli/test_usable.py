@@ -71,6 +71,21 @@ def test_a_layout_brings_its_demand_along(camring, desk, quick_search):
     assert status == 0 and json.loads(printed)["area_mm2"] == pytest.approx(found.area, rel=1e-9)
 
 
+def test_options_written_as_text_change_what_a_layout_asks_for(camring, desk):
+    ring = {"diameter_mm": 30, "working_distance_mm": 400, "fov_mm": [36, 24]}
+    layout = {"format": "camring layout", "version": 1, "ring": ring, "angles_deg": [10, 20, 30]}
+    (desk / "layout.json").write_text(json.dumps(layout), encoding="utf-8")
+    options = ("--depth-of-field", "380:399.5", "--pixels", "1800x1200", "--max-error", "1.1", "--json")
+    status, printed, _ = camring("evaluate", "scan.stl", "--layout", "layout.json", *options)
+    limits, optics = exact.Limits(depth_of_field=(380, 399.5)), exact.Optics(resolution=(1800, 1200))
+    cameras = exact.Ring().cameras([0.17453292519943295, 0.3490658503988659, 0.5235987755982988])
+    # All cameras sit to one side: depth is measured along the axis of the ring all the same.
+    demand = exact.Demand(max_error=1.1, depth_axis=(0, 0, 1), limits=limits, optics=optics)
+    wanted = exact.evaluate(meshes.load("scan.stl"), cameras, demand=demand).area
+    assert status == 0 and json.loads(printed)["area_mm2"] == pytest.approx(wanted, rel=1e-9)
+    assert 0 < wanted < exact.evaluate(meshes.load("scan.stl"), cameras).area
+
+
 @pytest.mark.parametrize(
     ("option", "value", "words"),
     [
