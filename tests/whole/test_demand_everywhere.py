@@ -2,7 +2,7 @@
 
 import ast
 import inspect
-from dataclasses import dataclass, fields
+from dataclasses import fields
 
 import numpy as np
 import pytest
@@ -16,6 +16,7 @@ from experiments.figures import coverage
 from placement import Constraints, PlacementError, Settings
 from placement.sites import RENAMED
 from tests.support import ROOT
+from tests.support.further_demand import Demand
 
 RING = exact.Ring()
 QUICK = Settings(
@@ -32,26 +33,9 @@ def wall():
     return trimesh.boolean.union(parts, engine="manifold")
 
 
-@dataclass(frozen=True)
-class Wider(exact.demand.Demand):
-    """With a field more.
-
-    Parameters
-    ----------
-    min_chord_cm : float
-        Least chord between some two of the cameras that see a point [cm].
-    """
-
-    min_chord_cm: float = 0.0
-
-    @property
-    def baseline(self):
-        return max(self.min_baseline, 10 * self.min_chord_cm)
-
-
 @pytest.fixture
 def wider(monkeypatch):
-    monkeypatch.setattr("exact.demand.Demand", Wider)
+    monkeypatch.setattr("exact.demand.Demand", Demand)
 
 
 def test_a_further_field_works_in_every_evaluation(wall, wider):

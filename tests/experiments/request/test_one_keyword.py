@@ -1,6 +1,7 @@
 """A further field of a demand has an option and a key without another line: its class alone declares it."""
 
 import json
+import os
 import subprocess
 import sys
 import tomllib
@@ -15,32 +16,15 @@ import meshes
 from experiments.cli import app as cli
 from experiments.request import options as request_options
 from experiments.request.option_kinds import of_type
+from tests.support import ROOT
 
-# A demand of another program, with a field more: a baseline in centimetres.
-PROGRAM = '''
+# Another program, whose demands have a field more.
+PROGRAM = """
 import json
 import sys
-from dataclasses import dataclass
 
 import exact.demand
-
-
-@dataclass(frozen=True)
-class Demand(exact.demand.Demand):
-    """What makes a point count, with a chord in another unit.
-
-    Parameters
-    ----------
-    min_chord_cm : float
-        Least chord between some two of the cameras that see a point [cm].
-    """
-
-    min_chord_cm: float = 0.0
-
-    @property
-    def baseline(self):
-        return max(self.min_baseline, 10 * self.min_chord_cm)
-
+from tests.support.further_demand import Demand
 
 exact.demand.Demand = Demand
 
@@ -52,7 +36,7 @@ for line in sys.stdin:
     except SystemExit as end:
         assert not end.code, line
     sys.stdout.write("\\0")
-'''
+"""
 # The subcommands that ask how many views count.
 TAKERS = {"optimise", "count", "evaluate", "compare"}
 ANGLES = "20,60,200,240"  # neighbours are 10.3 mm apart, others more than 28 mm
@@ -90,7 +74,8 @@ def said(tmp_path_factory, scan):
     }
     lines = "".join(json.dumps(arguments) + "\n" for arguments in commands.values())
     program = [sys.executable, "-c", PROGRAM]
-    done = subprocess.run(program, input=lines, check=True, capture_output=True, text=True, cwd=folder)
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    done = subprocess.run(program, input=lines, check=True, capture_output=True, text=True, cwd=folder, env=environment)
     return dict(zip(commands, done.stdout.split("\0"), strict=False)) | {"folder": folder}
 
 
