@@ -6,8 +6,9 @@ import numpy as np
 import trimesh
 
 import exact
-from meshes.condition.facing import Cone, Facing
-from meshes.condition.winding import inwards, outlook
+from meshes.condition.facing import Cone, Facing, facing
+from meshes.condition.neighbours import bodies
+from meshes.condition.winding import inwards
 
 # Cameras from which the surface is looked at, whatever layout it is for.
 PLACES = 8
@@ -59,8 +60,9 @@ def seen(mesh: trimesh.Trimesh, ring: exact.Ring) -> Outlook:
     focus = np.array(ring.focus)
     cone = Cone(focus + ring.working_distance * ring.frame[:, 2], focus, 0.5 * float(np.hypot(*ring.fov)))
     vertices, faces = np.asarray(mesh.vertices, dtype=np.float64), np.asarray(mesh.faces)
-    found = outlook(vertices, faces, places(ring), cone)
-    turned = inwards(vertices, faces) if 1 < len(found.front) else np.zeros(1, dtype=bool)
+    body = bodies(faces).body
+    found = facing(vertices, faces, body, places(ring), cone)
+    turned = inwards(vertices, faces, body) if 1 < len(found.front) else np.zeros(1, dtype=bool)
     turned &= (found.front > PART_AWAY * found.front.sum()) & (found.front < 0.5 * found.front.sum())
     return Outlook(round(_in_view(found), 5), round(found.back_share, 5), _away(found), int(turned.sum()))
 

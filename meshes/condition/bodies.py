@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from meshes.condition.neighbours import connected, neighbours
+from meshes.condition.neighbours import bodies
 
 # A body is taken to lie where most of this many of its points lie, for bodies that stick in others or touch them.
 PROBES = 5
@@ -41,10 +41,8 @@ def inside_out(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.
     >>> inside_out(both.vertices, both.faces)[2].tolist(), inside_out(hollow.vertices, hollow.faces)[2].tolist()
     ([False, False], [True])
     """
-    pairs, _ = neighbours(faces)
-    n_bodies, body = connected(pairs, len(faces))
-    closed = np.bincount(pairs.ravel(), minlength=len(faces)) == 3
-    is_closed = np.bincount(body, weights=closed, minlength=n_bodies) == np.bincount(body, minlength=n_bodies)
+    _, _, body, is_closed = bodies(faces)
+    n_bodies = len(is_closed)
     corners = vertices[faces]
     # About the middle of the mesh: far from the origin the terms would cancel badly.
     corners = corners - 0.5 * (corners.min(axis=(0, 1)) + corners.max(axis=(0, 1)))

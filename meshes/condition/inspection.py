@@ -8,18 +8,12 @@ from numpy.typing import ArrayLike
 
 from meshes.condition.bodies import inside_out
 from meshes.condition.check import check
+from meshes.condition.facing import facing
 from meshes.condition.mending import mended
-from meshes.condition.neighbours import connected, neighbours
+from meshes.condition.neighbours import bodies
 from meshes.condition.opening import opening
-from meshes.condition.winding import halves, outlook
+from meshes.condition.winding import halves
 from meshes.errors import MeshError
-
-# Directions from which the opening is looked for, and how far away, in sizes of the mesh.
-DIRECTIONS, DISTANCE = 64, 10.0
-# What lies this far below the convex hull, in parts of the size, lies in a hollow.
-HOLLOW = 0.02
-# Of a mesh with an opening at least this part is seen through it.
-OPENING = 0.02
 
 
 @dataclass(frozen=True)
@@ -122,10 +116,7 @@ def inspect(mesh: trimesh.Trimesh, name: str = "mesh", *, seen_from: ArrayLike |
                 refused = f"{refused}; and a repair is refused too: {error}"
     found = mended(mesh, name)
     vertices, faces = found.vertices, found.faces
-    pairs, alike = neighbours(faces)
-    n_bodies, body = connected(pairs, len(faces))
-    shared = np.bincount(pairs.ravel(), minlength=len(faces))
-    closed = np.bincount(body, weights=shared < 3, minlength=n_bodies) == 0
+    pairs, alike, body, closed = bodies(faces)
     edges = np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
     _, count = np.unique(edges, axis=0, return_counts=True)
     used = vertices[np.unique(faces)]
@@ -139,7 +130,7 @@ def inspect(mesh: trimesh.Trimesh, name: str = "mesh", *, seen_from: ArrayLike |
         bounds=(tuple(used.min(axis=0).tolist()), tuple(used.max(axis=0).tolist())),
         area=float(0.5 * np.linalg.norm(normals, axis=1).sum()),
         watertight=bool((count == 2).all()),
-        n_bodies=int(n_bodies),
+        n_bodies=len(closed),
         n_closed=int(closed.sum()),
         n_border_edges=int((count == 1).sum()),
         n_crowded_edges=int((count > 2).sum()),
@@ -147,7 +138,7 @@ def inspect(mesh: trimesh.Trimesh, name: str = "mesh", *, seen_from: ArrayLike |
         one_sided=bool(halves(faces, pairs, alike)[2].any()),
         n_inside_out=int(inside_out(vertices, faces)[2].sum()) if alike.all() else 0,
         opening=opening(np.asarray(usable.vertices), np.asarray(usable.faces)),
-        back_share=None if seen_from is None else outlook(vertices, faces, np.asarray(seen_from)).back_share,
+        back_share=None if seen_from is None else facing(vertices, faces, body, np.asarray(seen_from)).back_share,
         notes=tuple(found.notes),
         repairs=repairs,
         refused=refused,

@@ -1,4 +1,6 @@
-"""Which faces lie side by side."""
+"""Which faces lie side by side, and the bodies that they make."""
+
+from typing import NamedTuple
 
 import numpy as np
 from scipy.sparse import coo_matrix
@@ -29,6 +31,33 @@ def neighbours(faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     pairs = starts[:-1][np.diff(starts) == 2]
     first, second = order[pairs], order[pairs + 1]
     return np.stack([first // 3, second // 3], axis=1), forward[first] != forward[second]
+
+
+class Bodies(NamedTuple):
+    """What faces hang together by edges that no third face has."""
+
+    pairs: np.ndarray
+    """(N, 2) faces side by side."""
+    alike: np.ndarray
+    """(N,) bool: those wound alike."""
+    body: np.ndarray
+    """(F,) number of the body of each face."""
+    closed: np.ndarray
+    """(B,) bool: bodies all of whose faces have three such neighbours."""
+
+
+def bodies(faces: np.ndarray) -> Bodies:
+    """The bodies that faces (F, 3) make.
+
+    Examples
+    --------
+    >>> bodies(np.array([[0, 1, 2], [2, 1, 3], [4, 5, 6]])).body.tolist()
+    [0, 0, 1]
+    """
+    pairs, alike = neighbours(faces)
+    n_bodies, body = connected(pairs, len(faces))
+    is_border = np.bincount(pairs.ravel(), minlength=len(faces)) < 3
+    return Bodies(pairs, alike, body, np.bincount(body, weights=is_border, minlength=n_bodies) == 0)
 
 
 def connected(pairs: np.ndarray, n_faces: int) -> tuple[int, np.ndarray]:

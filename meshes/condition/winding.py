@@ -3,8 +3,8 @@
 import numpy as np
 
 from meshes.condition.bodies import inside_out
-from meshes.condition.facing import Cone, Facing, facing, sides
-from meshes.condition.neighbours import connected, neighbours
+from meshes.condition.facing import facing, sides
+from meshes.condition.neighbours import bodies, connected, neighbours
 from meshes.errors import REPAIR_CALL, TWO_SIDED_CALL, MeshError
 
 # Places all around, and how far away, in sizes of the mesh; and how many times more of one side than of the other is
@@ -110,10 +110,7 @@ def turn_outside_out(
             f"behind; {REPAIR_CALL} turns it outside-out"
         )
     if repair and places is not None:
-        pairs, _ = neighbours(faces)
-        edges = np.bincount(pairs.ravel(), minlength=len(faces))
-        is_open = np.bincount(body, weights=edges < 3, minlength=len(volume)) > 0
-        away = facing(vertices, faces, body, places).away & is_open
+        away = facing(vertices, faces, body, places).away & ~bodies(faces).closed
         if away.any():
             _refuse_to_guess(name, vertices, faces, number, body, away)
         inverted = inverted | away
@@ -153,31 +150,19 @@ def sphere_around(points: np.ndarray, number: int = AROUND) -> np.ndarray:
 
 def both_sides(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
     """(F,) bool: faces whose back may be looked at: all but those of closed bodies wound outside-out."""
-    pairs, alike = neighbours(faces)
-    n_bodies, body = connected(pairs, len(faces))
-    edges = np.bincount(pairs.ravel(), minlength=len(faces))
-    fine = np.bincount(body, weights=edges < 3, minlength=n_bodies) == 0
-    fine &= np.bincount(body[pairs[~alike, 0]], minlength=n_bodies) == 0
+    pairs, alike, body, closed = bodies(faces)
+    fine = closed & (np.bincount(body[pairs[~alike, 0]], minlength=len(closed)) == 0)
     corners = vertices[faces] - vertices[faces].mean(axis=(0, 1))
     cone = np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2]))
-    fine &= np.bincount(body, weights=cone, minlength=n_bodies) > 0
+    fine &= np.bincount(body, weights=cone, minlength=len(closed)) > 0
     return ~fine[body]
 
 
-def outlook(vertices: np.ndarray, faces: np.ndarray, places: np.ndarray, view: Cone | None = None) -> Facing:
-    """What is seen of each body of a surface (see `facing`)."""
-    pairs, _ = neighbours(faces)
-    _, body = connected(pairs, len(faces))
-    return facing(vertices, faces, body, places, view)
-
-
-def inwards(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """(B,) bool: bodies, numbered as by `outlook`, that show clearly more of their back than of their front all around.
+def inwards(vertices: np.ndarray, faces: np.ndarray, body: np.ndarray) -> np.ndarray:
+    """(B,) bool: bodies (numbered by `body`, (F,)) that show clearly more of their back than of their front all around.
 
     A cavity does so, and a part of a solid that is wound the wrong way.
     """
-    pairs, _ = neighbours(faces)
-    _, body = connected(pairs, len(faces))
     front, back, _ = sides(vertices, faces, body, sphere_around(vertices[faces].reshape(-1, 3)), n_points=FEW_POINTS)
     return back.sum(axis=0) > CLEARLY * front.sum(axis=0)
 
