@@ -16,14 +16,16 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 import exact
+from exact.demand import SAME_LENGTH
 from placement.layouts.arcs import TURN, LayoutSpace
 from placement.layouts.constraints import GAP_MARGIN
-from placement.proof.grid_program import QUICK_MULTIPLICATIONS, GridProgram, GridSolution, multiplications, solve
+from placement.proof.grid_program import GridProgram, GridSolution
+from placement.proof.solver import is_quick, solve
 from placement.samples.profiles import RingProfiles
 from placement.samples.sampled_coverage import SampledCoverage
 from placement.settings import Settings
 
-# The mixed-integer program stops at this relative gap: what "proven" means.
+# The grid program is solved to this relative gap: what "proven" means.
 PROOF_TOLERANCE = 0.002
 # The same for the program over cells, whose solver adds this much to the bound at most.
 CELL_TOLERANCE = 0.001
@@ -69,10 +71,9 @@ class Certificate:
         Samples that some camera sees, and their distinct profiles on the grid.
     sampling_error : float
         Standard error of a sampled fraction, measured on parts of the samples.
-    ignores_baseline : bool
-        Whether a baseline was asked for; the bounds hold, but leave it out.
     ignores_error : bool
-        The same of a bound on the predicted error.
+        Whether a bound on the predicted error was asked for, of which the bounds know only the baseline that it
+        implies: they hold, but may be loose.
     of : str
         What the fractions are fractions of, in words.
     """
@@ -92,9 +93,13 @@ class Certificate:
     n_samples: int
     n_profiles: int
     sampling_error: float
-    ignores_baseline: bool
     ignores_error: bool
     of: str = "the ring maximum"
+
+    @property
+    def ignores_baseline(self) -> bool:
+        """False: the bounds know the baseline. Kept for programs that ask."""
+        return False
 
     @property
     def statement(self) -> str:
@@ -119,10 +124,11 @@ class Certificate:
             "arcs of visibility narrower than the step at which profiles were traced, and the ends of the others more "
             "finely than they were bisected."
         )
-        left_out = ["the baseline"] * self.ignores_baseline + ["the bound on the error"] * self.ignores_error
-        if left_out:
-            them = "it" if len(left_out) == 1 else "them"
-            words.append(f"The bounds leave {' and '.join(left_out)} out; with {them} they hold but may be loose.")
+        if self.ignores_error:
+            words.append(
+                "Of the bound on the error these bounds know only the baseline that it implies; they hold but may be "
+                "loose."
+            )
         return " ".join(words)
 
 
@@ -147,25 +153,30 @@ def certify_samples(
     known = _on_grid(profiles, space, demand, n_grid, layouts)
     grid = solve(program, settings.certificate_seconds / 2, PROOF_TOLERANCE, known)
     bound, n_cells = float(profiles.sums(np.asarray(profiles.visible.any(axis=0))).min()), n_grid
-    found = None
     for halving in range(MOST_HALVINGS + 1):
         cells = cells_of(profiles, space, demand, n_grid * 2**halving)
-        easy = found is None or (found.finished and found.method != "enumeration")
-        if not easy and multiplications(cells) > QUICK_MULTIPLICATIONS:
-            break
+        # What is not enumerated is bounded step by step: more closely by fine cells, of which coarse ones would only
+        # take the time.
+        if halving == 0 and MOST_HALVINGS > 0 and not is_quick(cells):
+            continue
         found = solve(cells, max(end - time.perf_counter(), 1.0), CELL_TOLERANCE)
         if found.bound < bound:
             bound, n_cells = found.bound, n_grid * 2**halving
+        if not found.finished or time.perf_counter() > end:
+            break
 
     angles = _angles(grid, space, n_grid)
-    grid_bound = min(grid.bound, bound)  # a layout on the grid is a layout
+    # The program takes of a bound on the error only what it implies, the samples all of it.
+    grid_fraction = None if angles is None else SampledCoverage(profiles, demand, space.ring).fraction(angles)
+    # A layout on the grid is a layout; what one reconstructs may be summed in another order.
+    grid_bound = max(min(grid.bound, bound), grid_fraction or 0.0)
     return Certificate(
-        bound_fraction=bound,
+        bound_fraction=max(bound, grid_fraction or 0.0),
         gap=None,
-        proven=grid_bound - grid.value <= 1.01 * PROOF_TOLERANCE,
+        proven=grid_bound - (grid_fraction or 0.0) <= 1.01 * PROOF_TOLERANCE,
         seconds=time.perf_counter() - begun,
         grid_bound_fraction=grid_bound,
-        grid_fraction=None if angles is None else grid.value,
+        grid_fraction=grid_fraction,
         grid_angles=angles,
         grid_gap=None,
         layout_fraction=None,
@@ -175,7 +186,6 @@ def certify_samples(
         n_samples=len(profiles.weights),
         n_profiles=len(program.merged().weights),
         sampling_error=_sampling_error(profiles, angles, demand, space.ring),
-        ignores_baseline=demand.baseline > 0,
         ignores_error=demand.max_error is not None,
         of=of,
     )
@@ -227,10 +237,11 @@ def grid_of(profiles: RingProfiles, space: LayoutSpace, demand: exact.Demand, n_
     grid = step * np.arange(n_grid)
     window = int(np.ceil(space.minimum_gap / step - STEP_TOLERANCE))
     fixed = np.array(space.constraints.fixed)
-    base = profiles.at(fixed).sum(axis=0) if len(fixed) else np.zeros(len(profiles.weights), dtype=int)
     allowed = space.allowed(grid, fixed, slack=2 * GAP_MARGIN)
+    possible, apart = _apart(profiles, space, demand)
     return GridProgram(
-        profiles.at(grid), profiles.weights, base, space.n_free, demand.threshold, window, allowed, profiles.site,
+        profiles.at(grid) & possible, profiles.weights, space.n_free, demand.threshold, window, allowed, profiles.site,
+        np.maximum(apart / step - STEP_TOLERANCE, 0.0), _seen_by_fixed(profiles, fixed) & possible, fixed / step,
         profiles.n_sites,
     )  # fmt: skip
 
@@ -247,11 +258,33 @@ def cells_of(profiles: RingProfiles, space: LayoutSpace, demand: exact.Demand, n
     # Angles of two cells w apart differ by up to (w + 1) steps, less when that is no longer the short way around.
     window = max(0, int(np.ceil(space.minimum_gap / step - 1 - STEP_TOLERANCE)))
     fixed = np.array(space.constraints.fixed)
-    base = profiles.at(fixed).sum(axis=0) if len(fixed) else np.zeros(len(profiles.weights), dtype=int)
+    possible, apart = _apart(profiles, space, demand)
     return GridProgram(
-        seen, profiles.weights, base, space.n_free, demand.threshold, window, _open_cells(space, n_cells),
-        profiles.site, profiles.n_sites,
+        seen & possible, profiles.weights, space.n_free, demand.threshold, window, _open_cells(space, n_cells),
+        profiles.site, np.maximum(apart / step - 1 - STEP_TOLERANCE, 0.0), _seen_by_fixed(profiles, fixed) & possible,
+        np.floor(fixed / step), profiles.n_sites, slack=1,
     )  # fmt: skip
+
+
+def _seen_by_fixed(profiles: RingProfiles, fixed: Float[np.ndarray, " F"]) -> Bool[np.ndarray, "F N"]:
+    return profiles.at(fixed) if len(fixed) else np.zeros((0, len(profiles.weights)), dtype=bool)
+
+
+def _apart(
+    profiles: RingProfiles, space: LayoutSpace, demand: exact.Demand
+) -> tuple[Bool[np.ndarray, " N"], Float[np.ndarray, " N"]]:
+    """(N,) bool: can the demand be met at all, and how far apart two cameras must be for it around the ring [rad].
+
+    M cameras in an arc of chord b have a spread of at most M b² / 4, the greatest with half of them at either end, and
+    (M² - 1) b² / (4 M) if M is odd. So an error asks for a baseline too, each point for its own.
+    """
+    diameter, n_cameras = space.ring.diameter, space.n_cameras
+    chord = np.full(len(profiles.weights), demand.baseline * (1 - SAME_LENGTH))
+    if demand.max_error is not None:
+        spread = profiles.noise / demand.max_error**2
+        implied = np.sqrt(4 * n_cameras * spread / max(n_cameras**2 - n_cameras % 2, 1))
+        chord = np.maximum(chord, implied * (1 - SAME_LENGTH))
+    return chord <= diameter, 2 * np.arcsin(np.minimum(chord / diameter, 1.0))
 
 
 def _open_cells(space: LayoutSpace, n_cells: int) -> Bool[np.ndarray, " {n_cells}"]:

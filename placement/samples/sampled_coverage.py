@@ -170,8 +170,14 @@ class SampledCoverage:
         return _variances(seen.sum(axis=0)[:, None] + now_seen, moment, self.ring, noise[:, None])
 
     def worth_with_two_more(self, angles) -> Float[np.ndarray, "G G"]:
-        """(G, G) `worth` of (M - 2,) ring angles [rad] and two more on `pair_grid`; any baseline is left out."""
-        count = self.profiles.at(np.asarray(angles, dtype=np.float64)).sum(axis=0)
+        """(G, G) `worth` of (M - 2,) ring angles [rad] and two more on `pair_grid`.
+
+        With a baseline only for a threshold of 2, and with no bound on the error.
+        """
+        theta = np.asarray(angles, dtype=np.float64)
+        if self.demand.baseline > 0:
+            return self._with_two_far_more(theta)
+        count = self.profiles.at(theta).sum(axis=0)
         short = self.demand.threshold - count
         sums = []
         for site, already in enumerate(self.profiles.sums(short <= 0)):
@@ -182,6 +188,22 @@ class SampledCoverage:
             alone = self._weights[one] @ either
             gained = alone[:, None] + alone[None, :] - (either.T * self._weights[one]) @ either
             sums.append((gained + (both.T * self._weights[two]) @ both).astype(np.float64) + already)
+        return _worth(np.stack(sums))
+
+    def _with_two_far_more(self, theta: Float[np.ndarray, " M"]) -> Float[np.ndarray, "G G"]:
+        """The same with a baseline: a point is won by either camera with one that is there, or by both together."""
+        seen = self.profiles.at(theta)
+        done = samples_met(seen, theta, self.demand, self.ring, self.profiles.noise)
+        partner = _far(theta, self.pair_grid, self.demand, self.ring).astype(np.float32)
+        together = _far(self.pair_grid, self.pair_grid, self.demand, self.ring)
+        sums = []
+        for site, already in enumerate(self.profiles.sums(done)):
+            waiting = np.flatnonzero(~done & (self.profiles.site == site))
+            now_seen, weights = self._seen_pairs[waiting], self._weights[waiting]
+            lost = 1 - now_seen * (seen[:, waiting].T.astype(np.float32) @ partner > 0)
+            both = lost * now_seen
+            left = (lost.T * weights) @ lost - together * ((both.T * weights) @ both)
+            sums.append((weights.sum() - left).astype(np.float64) + already)
         return _worth(np.stack(sums))
 
     def _sums(self, waiting: Int[np.ndarray, " W"]) -> Float[np.ndarray, "S G"]:
@@ -230,11 +252,11 @@ class SampledCoverage:
     def improve_pairs(self, space: LayoutSpace, angles, max_sweeps: int = 3) -> Float[np.ndarray, " M"]:
         """Move two free cameras at once, then each alone, until nothing is gained; leaves most local optima.
 
-        Parameters and result as for `improve`. With a baseline or a bounded error only single
-        cameras are moved.
+        Parameters and result as for `improve`. With a bounded error, or a baseline and a threshold other than 2, only
+        single cameras are moved.
         """
         theta = self.improve(space, angles)
-        if self.demand.baseline > 0 or self.demand.max_error is not None:
+        if self.demand.max_error is not None or (self.demand.baseline > 0 and self.demand.threshold != 2):
             return theta
         half_gap = np.sin(space.minimum_gap / 2)
         apart = np.abs(np.sin((self.pair_grid[:, None] - self.pair_grid[None, :]) / 2)) >= half_gap
