@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from placement.errors import PlacementError
     from placement.jitter import jitter
     from placement.layouts.constraints import Constraints
-    from placement.optimise import certify, optimise, place, recommend_count
+    from placement.optimise import certify, optimise, place, recommend_count, tradeoff
     from placement.problem import Problem
     from placement.proof.certificate import Certificate
     from placement.recommend import CountResult, Recommendation, recommend
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from placement.settings import Settings
     from placement.sites import falloff
     from placement.surrogate.surrogate import soft_coverage
+    from placement.tradeoff import TradedLayout, TradeOff
     from placement.triangulation import Triangulation, triangulation
 
 __all__ = [
@@ -39,6 +40,8 @@ __all__ = [
     "SearchRecord",
     "Settings",
     "SiteResult",
+    "TradeOff",
+    "TradedLayout",
     "Triangulation",
     "best_equidistant_phase",
     "certify",
@@ -51,6 +54,7 @@ __all__ = [
     "recommend_count",
     "robustness",
     "soft_coverage",
+    "tradeoff",
     "triangulation",
 ]
 

@@ -14,6 +14,7 @@ from placement.recommend import Recommendation, refuse_target
 from placement.results import Placement
 from placement.search.proposal import GIVE_UP
 from placement.sites import Surfaces
+from placement.tradeoff import TradeOff
 
 # What a `Problem` takes beside meshes and ring, with its defaults.
 ABOUT = {"settings": None, "seed": 0, "site_weights": None, "objective": "mean", **ASKED}
@@ -172,6 +173,52 @@ face_weights, threshold, min_baseline, demand
     refuse_target(target, max_cameras, demanded(demand, limits, ring), limits)
     return Problem(mesh, ring, progress=progress, **about).count(
         target, limits, certify=certify, max_cameras=max_cameras, progress=progress
+    )
+
+
+@shows({**ABOUT, "workers": None})
+def tradeoff(
+    mesh: Surfaces,
+    ring: exact.Ring,
+    n_cameras: int = 4,
+    *,
+    constraints: Constraints | None = None,
+    certify: bool = True,
+    progress: Progress | None = None,
+    **about: Any,
+) -> TradeOff:
+    """Find what accuracy costs in area: layouts of which none has both more area and less error.
+
+    Parameters
+    ----------
+    mesh, ring, n_cameras, constraints, certify, progress, settings, seed, site_weights, objective, workers, exclude, \
+face_weights, threshold, min_baseline, demand
+        As for `optimise`.
+
+    Returns
+    -------
+    TradeOff
+        Each layout with its exact area and the root mean square of its predicted errors.
+
+    Raises
+    ------
+    PlacementError
+        If the request cannot be met, or single cameras count, which triangulate nothing.
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> from placement import Settings
+    >>> quick = Settings(n_samples=500, n_angles=36, n_starts=4, ring_cameras=16, exact_candidates=2)
+    >>> step = trimesh.util.concatenate([trimesh.creation.box((30, 30, 1)), trimesh.creation.box((1, 8, 30))])
+    >>> found = tradeoff(step, exact.Ring(), n_cameras=3, settings=quick, certify=False)
+    >>> errors = [layout.error_rms for layout in found.layouts]
+    >>> errors == sorted(errors, reverse=True), found.knee in found.layouts
+    (True, True)
+    """
+    _refuse_beforehand(ring, n_cameras, constraints, about)
+    return Problem(mesh, ring, progress=progress, **about).tradeoff(
+        n_cameras, constraints, certify=certify, progress=progress
     )
 
 

@@ -24,6 +24,7 @@ from placement.search.scoring import ExactScorer
 from placement.settings import Settings
 from placement.sites import Objective, Sites, Surfaces, checked_sites, scene_keywords
 from placement.surrogate.surrogate import Surrogate
+from placement.tradeoff import TradeOff, trade
 
 ASKED = {**scene_keywords(), **demand_keywords(), "demand": None}
 
@@ -159,6 +160,17 @@ class Problem:
         [2, 3]
         """
         return propose(self, self._space(n_cameras, constraints), certify, progress, give_up)
+
+    def tradeoff(
+        self,
+        n_cameras: int = 4,
+        constraints: Constraints | None = None,
+        *,
+        certify: bool = True,
+        progress: Progress | None = None,
+    ) -> TradeOff:
+        """Find what accuracy costs in area; as `placement.tradeoff`."""
+        return trade(self, self._space(n_cameras, constraints), certify, progress)
 
     def certify(self, n_cameras: int = 4, constraints: Constraints | None = None, *, layout=None) -> Certificate:
         """Bound what any layout of `n_cameras` cameras can reconstruct; as `placement.certify`."""

@@ -29,11 +29,16 @@ WINDOWS, N_PLACES = (np.radians(4.0), np.radians(1.0)), 9
 
 
 def accurate_layouts(
-    problem: "Problem", space: LayoutSpace, pool: list[np.ndarray], give_up: float
+    problem: "Problem",
+    space: LayoutSpace,
+    pool: list[np.ndarray],
+    give_up: float,
+    starts: list[np.ndarray] | None = None,
 ) -> list[np.ndarray]:
-    """Distinct layouts with little error whose sampled coverage is within `give_up` of the best of the pool.
+    """Distinct layouts with little error whose sampled coverage is within `give_up` of the first of the pool.
 
-    Empty where errors do not depend on the layout, as those of a single camera.
+    `starts` stand for layouts of the pool, equidistant ones and opposite pairs. Empty where errors do not depend on the
+    layout, as those of a single camera.
     """
     coverage, _ = problem.coverage(space.constraints)
     if space.n_free == 0 or not np.isfinite(coverage.error(pool[0])):
@@ -42,7 +47,8 @@ def accurate_layouts(
     thin = SampledCoverage(coverage.profiles.thinned(THINNING), coverage.demand, coverage.ring, len(coverage.grid))
     # The same samples that are compared decide what the best of them is.
     thin_least = thin.worth(pool[0]) - (1 - RESERVE) * give_up
-    found = [improved(thin, space, start, thin_least) for start in _starts(problem, space, pool)]
+    starts = starts or _starts(problem, space, pool)
+    found = [improved(thin, space, start, thin_least) for start in starts]
     found.sort(key=lambda layout: -value(thin, layout, thin_least))
     leading = [found[i] for i in distinct(found, problem.settings.distinct_tolerance)][:N_REFINED]
     refined = [_refined(coverage, space, layout, least) for layout in leading]

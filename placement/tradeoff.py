@@ -1,0 +1,201 @@
+"""Area against accuracy: the layouts of which none has both more area and less error."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from placement.errors import PlacementError
+from placement.layouts.arcs import LayoutSpace
+from placement.layouts.distinct import canonical, distinct
+from placement.progress import Progress, nothing
+from placement.proof.certificate import certify_samples
+from placement.search.accurate import accurate_layouts
+from placement.search.search import search
+
+if TYPE_CHECKING:
+    from placement.problem import Problem
+
+# Coverage given up, in parts of the ring maximum: layouts with the least error are looked for at each of these.
+GIVEN_UP = (0.0005, 0.001, 0.002, 0.003, 0.004, 0.006, 0.008, 0.012, 0.02, 0.03, 0.05, 0.1)
+# Layouts that are scored exactly of each of these, and of the search.
+N_SCORED = 3
+# Layouts with which the search goes on for the next.
+N_LAYOUTS = 6
+# Opposite pairs to compare with, turned against each other in equal steps.
+N_PAIR_LAYOUTS = 4
+N_PHASES = 6
+
+
+@dataclass(frozen=True)
+class TradedLayout:
+    """A layout with its exact area and error.
+
+    Attributes
+    ----------
+    angles : tuple of float
+        Ring angles [rad], increasing in [0, 2 pi).
+    kind : str
+        "searched", "equidistant" or "opposite pairs".
+    area, fraction : float
+        Exact reconstructable area [mm²], summed over the sites, and fraction of the ring maximum.
+    error_rms : float
+        Root mean square of the predicted errors over it [mm].
+    """
+
+    angles: tuple[float, ...]
+    kind: str
+    area: float
+    fraction: float
+    error_rms: float
+
+
+@dataclass(frozen=True)
+class TradeOff:
+    """What accuracy costs in area.
+
+    Attributes
+    ----------
+    layouts : tuple of TradedLayout
+        Those of which none has both more area and less error, greatest area first.
+    compared : tuple of TradedLayout
+        Equidistant rings at several phases and opposite pairs, where they are allowed.
+    bound_fraction : float or None
+        No layout reconstructs more of the samples; None without a certificate.
+    """
+
+    layouts: tuple[TradedLayout, ...]
+    compared: tuple[TradedLayout, ...]
+    bound_fraction: float | None
+
+    @property
+    def knee(self) -> TradedLayout:
+        """The layout from which less error costs much area, and more area much accuracy.
+
+        The one farthest from the straight line between the ends of the curve, with area and the logarithm of the error
+        each scaled to 1 between them.
+
+        Examples
+        --------
+        >>> three = [TradedLayout((0.0, 1.0), "searched", 1.0, *at) for at in ((0.9, 0.4), (0.89, 0.1), (0.8, 0.08))]
+        >>> TradeOff(tuple(three), (), None).knee.fraction
+        0.89
+        """
+        fraction = np.array([layout.fraction for layout in self.layouts])
+        error = np.log([layout.error_rms for layout in self.layouts])
+        below = np.zeros(len(fraction))
+        for values in (fraction, -error):
+            width = np.ptp(values)
+            below += (values - values.min()) / width if width > 0 else 0.0
+        return self.layouts[int(below.argmax())]
+
+    @property
+    def words(self) -> str:
+        """What the knee says."""
+        most, knee, least = self.layouts[0], self.knee, self.layouts[-1]
+        if len(self.layouts) == 1:
+            return "One layout has both the most area and the least error."
+        words = []
+        if knee is not most:
+            words.append(
+                f"Giving up {most.fraction - knee.fraction:.2%} of the ring maximum lessens the error from "
+                f"{most.error_rms:.4f} to {knee.error_rms:.4f} mm"
+            )
+        if knee is not least:
+            words.append(
+                f"{'giving up another' if words else 'Giving up'} {knee.fraction - least.fraction:.2%} lessens it "
+                f"{'only ' if words else ''}to {least.error_rms:.4f} mm"
+            )
+        return "; ".join(words) + "."
+
+
+def trade(
+    problem: "Problem",
+    space: LayoutSpace,
+    certify: bool = True,
+    progress: Progress | None = None,
+    on_layout: Callable[[TradedLayout], object] | None = None,
+) -> TradeOff:
+    """Trade area for accuracy within `space`; result and errors as for `placement.tradeoff`."""
+    report = progress or nothing
+    demand = problem.demanded(space.constraints, space.n_cameras)
+    scorer, (coverage, _) = problem.scorer(space.constraints), problem.coverage(space.constraints)
+    if space.n_cameras < 2 or demand.threshold < 2:
+        raise PlacementError(
+            f"{space.n_cameras} cameras of which {demand.threshold} must see a point triangulate nothing: errors take "
+            "two; ask for more cameras, and a threshold of at least 2"
+        )
+    report("searching", 0, 1)
+    pool, _ = search(problem, space)
+    found = [("searched", layout) for layout in pool[:N_SCORED]]
+    last: list[np.ndarray] = []
+    for number, given_up in enumerate(GIVEN_UP):
+        report("trading area for accuracy", number, len(GIVEN_UP))
+        # What gives up a little less is the best place to start from, after a search of its own for the first.
+        last = accurate_layouts(problem, space, pool, given_up, last)[:N_LAYOUTS]
+        found += [("searched", layout) for layout in last[:N_SCORED]]
+    report("trading area for accuracy", len(GIVEN_UP), len(GIVEN_UP))
+    compared = [(kind, layout) for kind, layout in compared_layouts(space) if space.allows(layout)]
+    layouts = found + compared
+    bound = None
+    if certify:
+        report("bounding any layout", 0, 1)
+        settings, of = problem.settings, problem.sites.of
+        bound = certify_samples(problem.profiles, space, demand, settings, of, pool[:N_SCORED]).bound_fraction
+    ranked = sorted(range(len(layouts)), key=lambda i: -coverage.worth(layouts[i][1]))
+    kept = [ranked[i] for i in distinct([layouts[i][1] for i in ranked], problem.settings.distinct_tolerance)]
+    done, total = 0, len(problem.sites.members) * len(kept)
+
+    def on_evaluation(steps: int) -> None:
+        nonlocal done
+        done += steps
+        report("scoring exactly", min(done, total), total)
+
+    angles = [canonical(layouts[i][1]) for i in kept]
+    scorer.many(angles, on_evaluation)
+    report("errors", 0, 1)
+    errors = scorer.errors(angles)
+    traded = []
+    for i, theta, error in zip(kept, angles, errors, strict=True):
+        areas = scorer.areas(theta)
+        traded.append(
+            TradedLayout(tuple(theta.tolist()), layouts[i][0], float(sum(areas)), scorer.combined(areas), error)
+        )
+        if on_layout is not None:
+            on_layout(traded[-1])
+    report("errors", 1, 1)
+    return TradeOff(
+        undominated([one for one in traded if np.isfinite(one.error_rms)]),
+        tuple(one for one in traded if one.kind != "searched"),
+        bound,
+    )
+
+
+def compared_layouts(space: LayoutSpace) -> list[tuple[str, np.ndarray]]:
+    """Equidistant rings at phases, and opposite pairs turned against each other, with any camera over at angle 0."""
+    n = space.n_cameras
+    even = [space.ring.equidistant(n, phase) for phase in 2 * np.pi / n * np.arange(N_PHASES) / N_PHASES]
+    pairs = []
+    for first in np.pi * np.arange(N_PAIR_LAYOUTS) / N_PAIR_LAYOUTS:
+        for turn in np.pi / (n // 2) * np.arange(1, N_PAIR_LAYOUTS) / N_PAIR_LAYOUTS if n > 3 else (0.0,):
+            half = first + turn * np.arange(n // 2)
+            pairs.append(np.concatenate([half, half + np.pi, np.zeros(n % 2)]))
+    return [("equidistant", layout) for layout in even] + [("opposite pairs", layout) for layout in pairs]
+
+
+def undominated(layouts: Sequence[TradedLayout]) -> tuple[TradedLayout, ...]:
+    """Layouts of which none has both more area and less error, greatest area first.
+
+    Examples
+    --------
+    >>> three = [TradedLayout((0.0, 1.0), "searched", 1.0, *at) for at in ((0.8, 0.1), (0.9, 0.2), (0.7, 0.3))]
+    >>> [layout.fraction for layout in undominated(three)]
+    [0.9, 0.8]
+    """
+    best, least = [], np.inf
+    for layout in sorted(layouts, key=lambda one: (-one.fraction, one.error_rms)):
+        if layout.error_rms < least:
+            best.append(layout)
+            least = layout.error_rms
+    return tuple(best)
