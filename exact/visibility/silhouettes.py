@@ -1,12 +1,14 @@
 """Along which segments the silhouettes, the border of the field of view and the near plane cut the faces they cross."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-import shapely
 
+from exact.visibility.grid import counting
 from exact.visibility.projection import NEAR, Image
-from exact.visibility.screen import SAME_DEPTH, Screen, barycentric, greatest, hides, least, seen_from_outside
+from exact.visibility.screen import PAIRS, Screen, barycentric, greatest, least, rims, seen_from_outside
+from exact.visibility.sight_depth import SAME_DEPTH, blocks
 
 # Segments are followed this far beyond a face (in parts of the face), so that they surely reach its outline.
 MARGIN = 1e-7
@@ -71,19 +73,9 @@ def crossings(screen: Screen, asked: np.ndarray) -> Cuts:
         )
         for k in (0, 1)
     )
-    # A diagonal has the envelope of the triangle's box, which is all the tree looks at.
-    index = np.flatnonzero(asked)
-    box = [edge(part[index]) for edge in (least, greatest) for part in (screen.x, screen.y)]
-    tree = shapely.STRtree(_lines(*box))
-    segment, found = tree.query(_lines(start.x, start.y, end.x, end.y))
-    found = index[found]
-    nearest = np.maximum(start.inverse_depth, end.inverse_depth) * (1 + SAME_DEPTH)
-    if screen.face_distance is None:
-        keep = nearest[segment] >= screen.farthest[found]
-        segment, found = segment[keep], found[keep]
-    keep = _line_meets(screen, found, start.take(segment), end.take(segment))
-    segment, found = segment[keep], found[keep]
-    cuts = _clip(screen, found, start.take(segment), end.take(segment))
+    parts = [_clip(screen, found, start.take(segment), end.take(segment)) for segment, found in
+             _pairs(screen, asked, start, end)]  # fmt: skip
+    cuts = Cuts.joined(parts or [Cuts(np.zeros(0, dtype=int), np.zeros((0, 2)), np.zeros((0, 2)))])
     if image.frame is None:
         return cuts
     # A part of a face is cut off the rest along the near plane.
@@ -92,8 +84,30 @@ def crossings(screen: Screen, asked: np.ndarray) -> Cuts:
     return Cuts.joined([cuts, *(Cuts(owner, frame[:, i], frame[:, j]) for i, j in ((0, 1), (1, 2), (2, 0)))])
 
 
-def _lines(x0: np.ndarray, y0: np.ndarray, x1: np.ndarray, y1: np.ndarray) -> np.ndarray:
-    return np.asarray(shapely.linestrings(np.stack([x0, x1], axis=1), np.stack([y0, y1], axis=1)))
+def _pairs(screen: Screen, asked: np.ndarray, start: _Ends, end: _Ends) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """Segments and triangles `asked` about that they may cut, in blocks: they meet in a cell where both can be seen."""
+    nearest = np.maximum(start.inverse_depth, end.inverse_depth) * (1 + SAME_DEPTH)
+    segment, cell = screen.grid.touched(
+        np.stack([start.x, end.x], axis=1), np.stack([start.y, end.y], axis=1), screen.marks
+    )
+    if screen.face_distance is None:
+        seen = screen.depths.near(nearest)[segment] >= screen.limit[cell]
+        segment, cell = segment[seen], cell[seen]
+    wanted = asked[screen.near]
+    near, first = screen.near[wanted], np.append(0, np.cumsum(wanted))[screen.first]
+    count = first[cell + 1] - first[cell]
+    # A block ends with a segment, so that no pair is in two of them.
+    begins = np.flatnonzero(np.diff(segment, prepend=-1))
+    for low, high in blocks(np.add.reduceat(count, begins) if len(begins) else count, PAIRS):
+        part = slice(begins[low], begins[high] if high < len(begins) else len(segment))
+        found = near[np.repeat(first[cell[part]], count[part]) + counting(count[part])]
+        which = np.repeat(segment[part], count[part])
+        if screen.face_distance is None:
+            keep = nearest[which] >= screen.farthest[found]
+            which, found = which[keep], found[keep]
+        keep = _line_meets(screen, found, start.take(which), end.take(which))
+        pair = np.unique(which[keep] * len(asked) + found[keep])
+        yield pair // len(asked), pair % len(asked)
 
 
 def _silhouettes(image: Image) -> np.ndarray:
@@ -103,17 +117,7 @@ def _silhouettes(image: Image) -> np.ndarray:
     concave edge of a solid seen from outside is itself hidden: the line of sight reaches it through the solid, which
     hides what is behind on either side of it.
     """
-    surface = image.surface
-    ahead = np.isfinite(image.x)
-    state = np.where(image.whole >= 0, image.front, 2).astype(np.int8)
-    between = state[surface.edge_faces[:, 0]] != state[surface.edge_faces[:, 1]]
-    if seen_from_outside(image):
-        between &= ~surface.edge_is_concave
-    loose = hides(image)[surface.loose_edge_faces]
-    edges = np.concatenate([surface.edges[between], surface.loose_edges[loose]])
-    edges = edges[ahead[edges].all(axis=1)]
-    parts = image.corners[image.is_part]
-    return np.concatenate([edges, parts[:, [0, 1]], parts[:, [1, 2]], parts[:, [2, 0]]])
+    return rims(image, concave=not seen_from_outside(image))
 
 
 def _all_edges(screen: Screen) -> np.ndarray:
