@@ -1,6 +1,7 @@
 """Square cells over a part of an image, and which of them triangles and segments touch."""
 
 from dataclasses import dataclass
+from functools import reduce
 
 import numpy as np
 
@@ -80,12 +81,11 @@ class Grid:
         """(n, n) bool: the cells that some box reaches."""
         left, low, right, high = cells
         # Marks at the corners of each box, summed up along both axes, are the number of boxes over each cell.
-        corners = np.zeros((self.n + 1, self.n + 1), dtype=np.int32)
-        np.add.at(corners, (left, low), 1)
-        np.add.at(corners, (right + 1, low), -1)
-        np.add.at(corners, (left, high + 1), -1)
-        np.add.at(corners, (right + 1, high + 1), 1)
-        return corners.cumsum(axis=0).cumsum(axis=1)[: self.n, : self.n] > 0
+        side = self.n + 1
+        begin = np.concatenate([left * side + low, (right + 1) * side + high + 1])
+        end = np.concatenate([(right + 1) * side + low, left * side + high + 1])
+        corners = np.bincount(begin, minlength=side * side) - np.bincount(end, minlength=side * side)
+        return corners.reshape(side, side).cumsum(axis=0).cumsum(axis=1)[: self.n, : self.n] > 0
 
     def meets(self, marks: np.ndarray, cells: np.ndarray) -> np.ndarray:
         """(N,) whether boxes that reach these `cells` (4, N) reach one of the marked ones."""
@@ -111,7 +111,7 @@ class Grid:
             A cell that it touches.
         """
         across, up = self.lines(x, 0), self.lines(y, 1)
-        left, right, low, high = across.min(axis=1), across.max(axis=1), up.min(axis=1), up.max(axis=1)
+        left, right, low, high = least(across), greatest(across), least(up), greatest(up)
         slack = NEARNESS + NEARNESS_OF_SHAPE * np.maximum(right - left, high - low)
         inside = np.flatnonzero(
             (right + slack >= 0) & (left - slack <= self.n) & (high + slack >= 0) & (low - slack <= self.n)
@@ -155,6 +155,16 @@ def _within_row(across: np.ndarray, up: np.ndarray, owner: np.ndarray, low: np.n
         left = np.where(meets, np.minimum(left, np.minimum(at_enter, at_leave)), left)
         right = np.where(meets, np.maximum(right, np.maximum(at_enter, at_leave)), right)
     return left, right
+
+
+def least(columns: np.ndarray) -> np.ndarray:
+    """(N,) least of the few numbers in each row of (N, K); numpy's own is slow along so short an axis."""
+    return reduce(np.minimum, columns.T)
+
+
+def greatest(columns: np.ndarray) -> np.ndarray:
+    """(N,) greatest of the few numbers in each row of (N, K)."""
+    return reduce(np.maximum, columns.T)
 
 
 def counting(count: np.ndarray) -> np.ndarray:

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from exact.visibility.grid import Grid, counting, in_window
+from exact.visibility.grid import Grid, counting, greatest, in_window, least
 from exact.visibility.projection import Image
 from exact.visibility.sight_depth import SAME_DEPTH, Depths, blocks, cell_centres_in, sight_depth
 
@@ -102,8 +102,8 @@ class Screen:
             limit = sight_depth(
                 grid.n_cells,
                 np.concatenate([cell, border[1]]),
-                np.concatenate([steps[owner], depths.near(border_depth.max(axis=1))[border[0]]]),
-                np.concatenate([depths.far(farthest)[owner], depths.far(border_depth.min(axis=1))[border[0]]]),
+                np.concatenate([steps[owner], depths.near(greatest(border_depth))[border[0]]]),
+                np.concatenate([depths.far(farthest)[owner], depths.far(least(border_depth))[border[0]]]),
                 np.concatenate([covers, np.zeros(len(border[0]), dtype=bool)]),
                 len(owner),
             )
@@ -192,16 +192,6 @@ def rims(image: Image, concave: bool = True) -> np.ndarray:
     edges = edges[ahead[edges].all(axis=1)]
     parts = image.corners[image.is_part]
     return np.concatenate([edges, parts[:, [0, 1]], parts[:, [1, 2]], parts[:, [2, 0]]])
-
-
-def least(columns: np.ndarray) -> np.ndarray:
-    """(N,) least of the three numbers in each row of (N, 3); numpy's own is slow along so short an axis."""
-    return np.minimum(np.minimum(columns[:, 0], columns[:, 1]), columns[:, 2])
-
-
-def greatest(columns: np.ndarray) -> np.ndarray:
-    """(N,) greatest of the three numbers in each row of (N, 3)."""
-    return np.maximum(np.maximum(columns[:, 0], columns[:, 1]), columns[:, 2])
 
 
 def barycentric(x: np.ndarray, y: np.ndarray, at_x: np.ndarray, at_y: np.ndarray) -> np.ndarray:

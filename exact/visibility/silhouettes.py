@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from exact.visibility.grid import counting
+from exact.visibility.grid import counting, greatest, least
 from exact.visibility.projection import NEAR, Image
-from exact.visibility.screen import PAIRS, Screen, barycentric, greatest, least, rims, seen_from_outside
+from exact.visibility.screen import PAIRS, Screen, barycentric, rims, seen_from_outside
 from exact.visibility.sight_depth import SAME_DEPTH, blocks
 
 # Segments are followed this far beyond a face (in parts of the face), so that they surely reach its outline.

@@ -143,18 +143,24 @@ def channel(n_faces: int) -> trimesh.Trimesh:
     >>> len(channel(4000).faces)
     4002
     """
-    across = int(np.sqrt(0.55 * n_faces / 2))
-    floor = _grid(lambda u, v: np.stack([28 * u - 14, 28 * v - 14, 0 * u], axis=-1), across, across)
-    around = int(np.sqrt(0.15 * n_faces / 2))
-    wall = _grid(
-        lambda u, v: np.stack([14 * np.cos(2 * np.pi * u), -14 * np.sin(2 * np.pi * u), 40 * v], axis=-1), around, around
-    )
+    around = int(np.sqrt(0.7 * n_faces))
+    rows = round(0.7 * n_faces / 2 / around)
+    floor = round(0.8 * rows)
+
+    def floor_and_wall(u: np.ndarray, v: np.ndarray) -> np.ndarray:
+        along = v * rows
+        out = np.minimum(along / floor, 1.0)
+        up = np.maximum(along - floor, 0.0) / (rows - floor)
+        radius = 0.3 + 13.7 * out + 0.8 * up
+        return np.stack([radius * np.cos(2 * np.pi * u), -radius * np.sin(2 * np.pi * u), 40 * up], axis=-1)
+
+    inside = _grid(floor_and_wall, around, rows)
     length = int(np.sqrt(0.15 * n_faces / 2))
-    width = (n_faces - len(floor.faces) - len(wall.faces)) // (4 * length)
+    width = (n_faces - len(inside.faces)) // (4 * length)
     vessels = [
         _grid(
             lambda u, v, x=x: np.stack(
-                [x + 3.2 * np.cos(2 * np.pi * u), 26 * v - 13, 4 + 3.2 * np.sin(2 * np.pi * u)], axis=-1
+                [x + 3.2 * np.cos(2 * np.pi * u), 22 * v - 11, 4 + 3.2 * np.sin(2 * np.pi * u)], axis=-1
             ),
             width,
             length,
@@ -163,7 +169,7 @@ def channel(n_faces: int) -> trimesh.Trimesh:
     ]
     for vessel in vessels:
         vessel.invert()
-    return trimesh.util.concatenate([floor, wall, *vessels])
+    return trimesh.util.concatenate([inside, *vessels])
 
 
 def _grid(surface: Callable[[np.ndarray, np.ndarray], np.ndarray], n_u: int, n_v: int) -> trimesh.Trimesh:
