@@ -132,6 +132,11 @@ class Grid:
         marked = marks.reshape(-1)[cell]
         return owner[marked], cell[marked]
 
+    def listed(self, owner: np.ndarray, cell: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """What `touched` gives, by cell: (n * n + 1,) where each cell begins, and (P,) the shapes in this order."""
+        order = np.argsort(cell, kind="stable")
+        return np.searchsorted(cell[order], np.arange(self.n_cells + 1)), owner[order].astype(np.int32)
+
     def centres(self, cell: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Image coordinates x and y of the middle of each cell."""
         size = (self.high - self.low) / self.n

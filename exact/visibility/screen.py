@@ -33,6 +33,8 @@ class Screen:
         Their corners.
     nearest, farthest : (N,) float
         Greatest and least 1/depth of each.
+    shape : (N,) float
+        Twice the area of each over the square of its longest side: how thick it is.
     marks : (n, n) bool
         Cells of the grid in which something is asked about.
     first, near : (n * n + 1,) int, (P,) int
@@ -41,6 +43,10 @@ class Screen:
         What is farther away than this in a cell is hidden there; see `sight_depth`.
     depths : Depths
         How depths are counted in `limit`.
+    rims : (S, 2) int
+        End points of the edges where a sheet of what can hide ends or folds back in the image.
+    first_rim, near_rims : (n * n + 1,) int, (Q,) int
+        Those that touch each cell and can be seen there.
     grid : Grid
         Over the part of the field of view where something is asked about.
     face_distance : (F,) float or None
@@ -56,11 +62,15 @@ class Screen:
     inverse_depth: np.ndarray
     nearest: np.ndarray
     farthest: np.ndarray
+    shape: np.ndarray
     marks: np.ndarray
     first: np.ndarray
     near: np.ndarray
     limit: np.ndarray
     depths: Depths
+    rims: np.ndarray
+    first_rim: np.ndarray
+    near_rims: np.ndarray
     grid: Grid
     face_distance: np.ndarray | None
 
@@ -93,34 +103,37 @@ class Screen:
             distance = np.linalg.norm(surface.vertices - image.camera.position, axis=1)
             face_distance = distance[surface.faces].min(axis=1)
             limit = np.zeros(grid.n_cells, dtype=np.int64)
+            ends, rim, rim_cell = np.zeros((0, 2), dtype=int), np.zeros(0, dtype=int), np.zeros(0, dtype=int)
         else:
             ends = rims(image)
-            border = grid.touched(image.x[ends], image.y[ends], marks)
-            border_depth = image.inverse_depth[ends]
+            rim, rim_cell = grid.touched(image.x[ends], image.y[ends], marks)
+            rim_depth = image.inverse_depth[ends]
+            rim_steps = depths.near(greatest(rim_depth))
             steps = depths.near(nearest)
             covers = cell_centres_in(grid, owner, cell, x, y, shape)
             limit = sight_depth(
                 grid.n_cells,
-                np.concatenate([cell, border[1]]),
-                np.concatenate([steps[owner], depths.near(greatest(border_depth))[border[0]]]),
-                np.concatenate([depths.far(farthest)[owner], depths.far(least(border_depth))[border[0]]]),
-                np.concatenate([covers, np.zeros(len(border[0]), dtype=bool)]),
+                np.concatenate([cell, rim_cell]),
+                np.concatenate([steps[owner], rim_steps[rim]]),
+                np.concatenate([depths.far(farthest)[owner], depths.far(least(rim_depth))[rim]]),
+                np.concatenate([covers, np.zeros(len(rim), dtype=bool)]),
                 len(owner),
             )
             seen = steps[owner] >= limit[cell]
             owner, cell = owner[seen], cell[seen]
+            seen = rim_steps[rim] >= limit[rim_cell]
+            rim, rim_cell = rim[seen], rim_cell[seen]
         thick = shape > THINNEST_IMAGE
         kept = np.zeros(len(candidate), dtype=bool)
         kept[owner] = True
         kept &= thick
         listed = kept[owner]
         owner, cell = (np.cumsum(kept) - 1)[owner[listed]], cell[listed]
-        order = np.argsort(cell, kind="stable")
-        first = np.searchsorted(cell[order], np.arange(grid.n_cells + 1))
         triangle = candidate[kept]
         return cls(
             image, triangle, image.parent[triangle], x[kept], y[kept], inverse_depth[kept], nearest[kept],
-            farthest[kept], marks, first, owner[order].astype(np.int32), limit, depths, grid, face_distance,
+            farthest[kept], shape[kept], marks, *grid.listed(owner, cell), limit, depths, ends,
+            *grid.listed(rim, rim_cell), grid, face_distance,
         )  # fmt: skip
 
     def sees(self, face: np.ndarray, inner: np.ndarray) -> np.ndarray:

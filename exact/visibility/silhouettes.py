@@ -8,12 +8,17 @@ import numpy as np
 from exact.visibility.grid import counting, greatest, least
 from exact.visibility.projection import NEAR, Image
 from exact.visibility.screen import PAIRS, Screen, barycentric, rims, seen_from_outside
-from exact.visibility.sight_depth import SAME_DEPTH, blocks
+from exact.visibility.sight_depth import SAME_DEPTH, THICK, blocks
 
 # Segments are followed this far beyond a face (in parts of the face), so that they surely reach its outline.
 MARGIN = 1e-7
 # A segment from a corner that leaves the face at a smaller slope than this runs along the face's side.
 ALONG_SIDE = 1e-9
+
+# Nearer to each other than this (in parts of the field of view) two segments meet: far above rounding.
+APART = 1e-9
+# Segments from a common end at a smaller angle than this [rad] may run along each other.
+TURNED = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +78,7 @@ def crossings(screen: Screen, asked: np.ndarray) -> Cuts:
         )
         for k in (0, 1)
     )
-    parts = [_clip(screen, found, start.take(segment), end.take(segment)) for segment, found in
+    parts = [_clip(screen, found, start.take(which), end.take(which)) for which, found in
              _pairs(screen, asked, start, end)]  # fmt: skip
     cuts = Cuts.joined(parts or [Cuts(np.zeros(0, dtype=int), np.zeros((0, 2)), np.zeros((0, 2)))])
     if image.frame is None:
@@ -172,6 +177,20 @@ def _clip(screen: Screen, found: np.ndarray, start: _Ends, end: _Ends) -> Cuts:
         keep &= np.maximum(first, last) > -SAME_DEPTH
     found, inverse, step = found[keep], inverse[keep], step[keep]
     ends = []
+    if screen.face_distance is None and image.frame is None:
+        start, end = start.take(keep), end.take(keep)
+        places = [
+            _Ends(
+                start.point,
+                start.x + at[keep] * (end.x - start.x),
+                start.y + at[keep] * (end.y - start.y),
+                ((at_start[keep] + at[keep, None] * step) * inverse).sum(axis=1),
+            )
+            for at in (enter, leave)
+        ]
+        matters = _matters(screen, found, start, end, *places)
+        keep[keep] = matters
+        found, inverse, step = found[matters], inverse[matters], step[matters]
     for at in (enter[keep], leave[keep]):
         where = np.where(at[:, None] == 1.0, at_end[keep], at_start[keep] + at[:, None] * step)
         weight = where * inverse  # perspective: 1/depth is affine in the image, the place in the plane is not
@@ -181,6 +200,101 @@ def _clip(screen: Screen, found: np.ndarray, start: _Ends, end: _Ends) -> Cuts:
         else:
             ends.append((weight[:, :, None] * image.frame[screen.triangle[found]]).sum(axis=1))
     return Cuts(screen.parent[found], ends[0], ends[1])
+
+
+def _matters(screen: Screen, found: np.ndarray, start: _Ends, end: _Ends, enter: _Ends, leave: _Ends) -> np.ndarray:
+    """Whether cuts of triangles `found`, from `enter` to `leave`, can part what is seen from what is not.
+
+    A cut does not if its triangle is hidden on both sides of it: by another sheet of faces than that of the silhouette
+    from `start` to `end` itself. Whatever hides the middle of a cut hides all of it, unless a sheet ends or folds back
+    on the way, in front of the triangle, or a face cuts through the triangle.
+    """
+    image, surface = screen.image, screen.image.surface
+    cut_through = np.zeros(len(surface.faces), dtype=bool)
+    cut_through[surface.intersections.face] = True
+    asked = np.flatnonzero(~cut_through[screen.parent[found]])
+    hidden, covered = _hidden_by_others(screen, *(ends.take(asked) for ends in (start, end, enter, leave)))
+    matters = np.ones(len(found), dtype=bool)
+    matters[asked[hidden]] = False
+    asked = asked[hidden & ~covered]
+    which, cell = screen.grid.touched(
+        np.stack([enter.x[asked], leave.x[asked]], axis=1), np.stack([enter.y[asked], leave.y[asked]], axis=1),
+        screen.marks,
+    )  # fmt: skip
+    which = asked[which]
+    count = screen.first_rim[cell + 1] - screen.first_rim[cell]
+    for low, high in blocks(count, PAIRS):
+        part = slice(low, high)
+        cut = np.repeat(which[part], count[part])
+        rim = screen.rims[
+            screen.near_rims[np.repeat(screen.first_rim[cell[part]], count[part]) + counting(count[part])]
+        ]
+        nearest = image.inverse_depth[rim].max(axis=1) * (1 + SAME_DEPTH)
+        ahead = nearest >= np.minimum(enter.inverse_depth[cut], leave.inverse_depth[cut])
+        cut, rim = cut[ahead], rim[ahead]
+        matters[cut[_meets(image, rim, start.take(cut), end.take(cut), enter.take(cut), leave.take(cut))]] = True
+    return matters
+
+
+def _hidden_by_others(screen: Screen, start: _Ends, end: _Ends, enter: _Ends, leave: _Ends):
+    """Whether a triangle surely hides the middle of each cut, and whether one hides each half of it: (N,), (N,).
+
+    Triangles about the ends of the silhouette itself are left out of account.
+    """
+    x, y = (enter.x + leave.x) / 2, (enter.y + leave.y) / 2
+    inverse_depth = (enter.inverse_depth + leave.inverse_depth) / 2
+    hidden, first_half, second_half = np.zeros((3, len(x)), dtype=bool)
+    cell = screen.grid.cell(x, y)
+    count = screen.first[cell + 1] - screen.first[cell]
+
+    def hides(found, x, y, inverse_depth) -> np.ndarray:
+        weight = barycentric(screen.x[found], screen.y[found], x, y)
+        return (least(weight) >= 0) & ((weight * screen.inverse_depth[found]).sum(axis=1) > nearer * inverse_depth)
+
+    nearer = 1 + SAME_DEPTH
+    for low, high in blocks(count, PAIRS):
+        cut = low + np.repeat(np.arange(high - low), count[low:high])
+        found = screen.near[np.repeat(screen.first[cell[low:high]], count[low:high]) + counting(count[low:high])]
+        near_enough = (screen.nearest[found] > inverse_depth[cut]) & (screen.shape[found] > THICK)
+        cut, found = cut[near_enough], found[near_enough]
+        here = hides(found, x[cut], y[cut], inverse_depth[cut])
+        cut, found = cut[here], found[here]
+        corner = screen.image.corners[screen.triangle[found]]
+        others = ~((corner == start.point[cut, None]) | (corner == end.point[cut, None])).any(axis=1)
+        cut, found = cut[others], found[others]
+        hidden[cut] = True
+        for ends, half in ((enter, first_half), (leave, second_half)):
+            half[cut[hides(found, ends.x[cut], ends.y[cut], ends.inverse_depth[cut])]] = True
+    return hidden, first_half & second_half
+
+
+def _meets(image: Image, rim: np.ndarray, start: _Ends, end: _Ends, enter: _Ends, leave: _Ends) -> np.ndarray:
+    """(N,) whether rims (N, 2) meet cuts, or nearly so, other than in a common end of rim and silhouette."""
+    x, y = image.x[rim], image.y[rim]
+    near = APART * float(image.camera.half_extent.max())
+
+    def one_side(x0, y0, x1, y1, of_x, of_y) -> np.ndarray:
+        """Whether both points (N, 2) lie clearly on one side of the line through two others."""
+        along_x, along_y = x1 - x0, y1 - y0
+        side = along_x[:, None] * (of_y - y0[:, None]) - along_y[:, None] * (of_x - x0[:, None])
+        far = near * np.hypot(along_x, along_y)
+        return (side > far[:, None]).all(axis=1) | (side < -far[:, None]).all(axis=1)
+
+    cut_x, cut_y = np.stack([enter.x, leave.x], axis=1), np.stack([enter.y, leave.y], axis=1)
+    apart = one_side(*cut_x[:, :1].T, *cut_y[:, :1].T, *cut_x[:, 1:].T, *cut_y[:, 1:].T, x, y)
+    apart |= one_side(x[:, 0], y[:, 0], x[:, 1], y[:, 1], cut_x, cut_y)
+    for of_rim, of_cut in ((x, cut_x), (y, cut_y)):
+        apart |= (of_rim.min(axis=1) > of_cut.max(axis=1) + near) | (of_rim.max(axis=1) < of_cut.min(axis=1) - near)
+    # The silhouette itself, and those that follow it and turn away from its line.
+    along_x, along_y, rim_x, rim_y = end.x - start.x, end.y - start.y, x[:, 1] - x[:, 0], y[:, 1] - y[:, 0]
+    length = np.hypot(along_x, along_y) * np.hypot(rim_x, rim_y)
+    turned = np.abs(along_x * rim_y - along_y * rim_x) > TURNED * length
+    for k, own in ((0, start.point), (1, end.point)):
+        for j in (0, 1):
+            onwards = (along_x * rim_x + along_y * rim_y) * (1 if k == j else -1) < 0
+            apart |= (rim[:, j] == own) & (turned | onwards)
+    same = (rim == start.point[:, None]).any(axis=1) & (rim == end.point[:, None]).any(axis=1)
+    return ~(apart | same)
 
 
 def _leads_away(step: np.ndarray, shared: np.ndarray) -> np.ndarray:

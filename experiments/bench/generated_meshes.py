@@ -1,7 +1,6 @@
 """Meshes of the kinds that people bring, of any size: scans, CAD parts and channels."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 import trimesh
@@ -21,7 +20,7 @@ def sphere(n_faces: int, radius: float = 12.0) -> trimesh.Trimesh:
     Examples
     --------
     >>> ball = sphere(2000)
-    >>> len(ball.faces), ball.is_watertight, ball.volume > 0
+    >>> len(ball.faces), ball.is_watertight, bool(ball.volume > 0)
     (2000, True, True)
     """
     n = n_faces // 2 + 2
@@ -140,8 +139,8 @@ def channel(n_faces: int) -> trimesh.Trimesh:
 
     Examples
     --------
-    >>> len(channel(4000).faces)
-    4002
+    >>> 0.95 < len(channel(4000).faces) / 4000 < 1.05
+    True
     """
     around = int(np.sqrt(0.7 * n_faces))
     rows = round(0.7 * n_faces / 2 / around)
@@ -182,30 +181,15 @@ def _grid(surface: Callable[[np.ndarray, np.ndarray], np.ndarray], n_u: int, n_v
 
 
 def site(n_faces: int) -> trimesh.Trimesh:
-    """The built-in site `circ_overhang`, 50 mm deep, of the detail whose number of faces is nearest."""
+    """The built-in site `circ_overhang`, 50 mm deep, of the detail whose number of faces is nearest.
+
+    Examples
+    --------
+    >>> len(site(4000).faces) < 6000
+    True
+    """
     detail = "coarse" if n_faces < 10_000 else "middle" if n_faces < 41_000 else "fine"
     return meshes.site("circ_overhang", depth=50, detail=detail)
-
-
-@dataclass(frozen=True)
-class Case:
-    """One mesh of the benchmark.
-
-    Attributes
-    ----------
-    kind : str
-        Which of `KINDS`.
-    n_faces : int
-        About how many faces it has.
-    n_cameras : int
-    task : str
-        "evaluate", or "optimise" for the best layout of so many cameras, without a certificate.
-    """
-
-    kind: str
-    n_faces: int
-    n_cameras: int = 8
-    task: str = "evaluate"
 
 
 KINDS: dict[str, Callable[[int], trimesh.Trimesh]] = {
