@@ -14,8 +14,8 @@ from exact.visibility.grid import counting
 PIECES = 6
 # A face is taken in pieces where the middle side of its box is more than so many times as long as the face is wide.
 SLENDER = 4.0
-# Pairs of boxes that are looked at in one go: some hundred megabytes.
-PAIRS = 1_000_000
+# Pairs of boxes that are looked at in one go: few enough for caches to hold, many enough for numpy.
+PAIRS = 250_000
 # Cells along each axis by which boxes are put in order: two to this power.
 ORDER_BITS = 16
 

@@ -20,8 +20,8 @@ STEPS = 1 << 24
 SAME_DEPTH = 1e-7
 # Only triangles at least this thick (in parts of their longest side) are sure to cover what they seem to cover.
 THICK = 1e-6
-# Pairs of a triangle and a cell whose middle it may cover that are looked at in one go.
-PAIRS = 2_000_000
+# Pairs of a triangle and a cell whose middle it may cover that are looked at in one go, as many as suit caches.
+PAIRS = 250_000
 
 
 @dataclass(frozen=True)

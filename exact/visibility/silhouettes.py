@@ -281,7 +281,7 @@ def _meets(image: Image, rim: np.ndarray, start: _Ends, end: _Ends, enter: _Ends
         return (side > far[:, None]).all(axis=1) | (side < -far[:, None]).all(axis=1)
 
     cut_x, cut_y = np.stack([enter.x, leave.x], axis=1), np.stack([enter.y, leave.y], axis=1)
-    apart = one_side(*cut_x[:, :1].T, *cut_y[:, :1].T, *cut_x[:, 1:].T, *cut_y[:, 1:].T, x, y)
+    apart = one_side(enter.x, enter.y, leave.x, leave.y, x, y)
     apart |= one_side(x[:, 0], y[:, 0], x[:, 1], y[:, 1], cut_x, cut_y)
     for of_rim, of_cut in ((x, cut_x), (y, cut_y)):
         apart |= (of_rim.min(axis=1) > of_cut.max(axis=1) + near) | (of_rim.max(axis=1) < of_cut.min(axis=1) - near)

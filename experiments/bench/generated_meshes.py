@@ -131,7 +131,7 @@ def cylinders(n_faces: int) -> trimesh.Trimesh:
         circle = radius * np.stack([np.cos(angle), np.sin(angle)], axis=1) + [6 * column - 12, 7 * row - 3.5]
         points = np.concatenate([np.column_stack([circle, np.full(corners, z)]) for z in (-height, height)])
         parts.append(trimesh.Trimesh(points, faces, process=False))
-    return trimesh.util.concatenate(parts)
+    return _together(parts)
 
 
 def channel(n_faces: int) -> trimesh.Trimesh:
@@ -168,7 +168,14 @@ def channel(n_faces: int) -> trimesh.Trimesh:
     ]
     for vessel in vessels:
         vessel.invert()
-    return trimesh.util.concatenate([inside, *vessels])
+    return _together([inside, *vessels])
+
+
+def _together(parts: list[trimesh.Trimesh]) -> trimesh.Trimesh:
+    """One mesh of several, none of whose vertices becomes one with another's."""
+    first = np.cumsum([0, *(len(part.vertices) for part in parts)])
+    faces = [part.faces + offset for part, offset in zip(parts, first, strict=False)]
+    return trimesh.Trimesh(np.concatenate([part.vertices for part in parts]), np.concatenate(faces), process=False)
 
 
 def _grid(surface: Callable[[np.ndarray, np.ndarray], np.ndarray], n_u: int, n_v: int) -> trimesh.Trimesh:
