@@ -14,7 +14,7 @@ THINNEST_IMAGE = 1e-14
 SMALLEST_IMAGE = 1e-150
 # Slack with which a point on the common edge of two faces belongs to both (in parts of the face).
 ON_EDGE = 1e-12
-# Pairs of a point and a triangle near it that are looked at in one go: few enough for caches to hold, many enough for numpy.
+# Pairs of a point and a triangle near it that are looked at in one go: few enough for caches, many enough for numpy.
 PAIRS = 250_000
 
 
