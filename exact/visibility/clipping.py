@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 
 from exact.errors import ExactError
-from exact.visibility.screen import counting
+from exact.visibility.grid import counting
 from exact.visibility.silhouettes import Cuts
 
 # The cells of a piece must fill it as if its outline were off by at most this (in parts of the face), or the cutting is

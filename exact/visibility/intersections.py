@@ -3,7 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-import shapely
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from exact.visibility.close_pairs import close_pairs
 
 # Two faces whose corners all lie nearer to the other's plane than this part of the coordinates' scale are in one plane.
 SAME_PLANE = 1e-9
@@ -15,12 +18,11 @@ TOUCHING = 1e-13
 OVERSHOOT = 1e-6
 # Segments from a common vertex that are shorter than this part of the scale are that vertex itself, and rounding.
 SHORTEST = 1e-9
-# Faces are paired by their boxes seen along one direction. Walls stack up when seen along themselves, so a sample of
-# this many faces tells along which of four directions the fewest boxes overlap; the first that leaves few will do.
-_PROBES = 500
-_FEW = 60.0
-_OBLIQUE = np.linalg.qr(np.array([[1.0, 0.3, 0.2], [0.7, -1.0, 0.4], [0.9, 0.6, -1.1]]))[0]
-_FRAMES = (_OBLIQUE, np.eye(3), np.eye(3)[[2, 0, 1]], np.eye(3)[[1, 2, 0]])
+# Faces that hang together are a flat sheet, of which none cuts another, if all of it is nearer to one plane than this
+# part of the scale: enough below `SAME_PLANE` that the planes of any two of them are the same.
+FLAT_SHEET = 0.1 * SAME_PLANE
+# Sheets of fewer faces are not worth it.
+SMALLEST_SHEET = 16
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,16 +103,14 @@ class Planes:
         return np.asarray(((distance > 0).sum(axis=1) < others) & ((distance < 0).sum(axis=1) < others))
 
 
-def intersecting_faces(planes: Planes) -> Intersections:
-    """All segments in which two faces of a mesh meet other than along a common edge or in a common plane."""
+def intersecting_faces(planes: Planes, edge_faces: np.ndarray) -> Intersections:
+    """All segments in which two faces of a mesh meet other than along a common edge or in a common plane.
+
+    `edge_faces`, (E, 2) int, are the two faces of each edge between two.
+    """
     touching = TOUCHING * planes.scale
     vertices, faces = planes.vertices, planes.faces
-    a, b, shared = _close_pairs(vertices, faces, np.flatnonzero(planes.normal.any(axis=1)), touching)
-    for _ in range(2):  # each face must reach to both sides of the other's plane; few pairs are left for the second
-        straddles = planes.straddled(b, a, shared)
-        a, b, shared = b[straddles], a[straddles], shared[straddles]
-    flat = planes.coincide(a, b)
-    a, b, shared = a[~flat], b[~flat], shared[~flat]
+    a, b, shared = _straddling(planes, edge_faces, touching)
     distance_a, distance_b = planes.distances(b, a), planes.distances(a, b)
     points_a, points_b = (
         _side_crossings(vertices[faces[a]], distance_a),
@@ -122,6 +122,9 @@ def intersecting_faces(planes: Planes) -> Intersections:
     # Faces that share a vertex always touch there; only a segment that leads away from it cuts anything.
     meets = high - low >= np.where(shared == 1, SHORTEST * planes.scale, -touching)
     meets &= np.isfinite(low) & np.isfinite(high)
+    # Two faces that meet their line in a corner each leave it without a direction: these must be the same point.
+    corners = [np.where(np.isnan(points), -2 * planes.scale, points).max(axis=1) for points in (points_a, points_b)]
+    meets &= direction.any(axis=1) | (np.abs(corners[0] - corners[1]).max(axis=1) <= touching)
     a, b, base, direction, low, high = (part[meets] for part in (a, b, base, direction, low, high))
     face, other = np.concatenate([a, b]), np.concatenate([b, a])
     start, end = (_inner(vertices[faces[face]], np.tile(base + t[:, None] * direction, (2, 1))) for t in (low, high))
@@ -134,37 +137,55 @@ def intersecting_faces(planes: Planes) -> Intersections:
     return Intersections(face[order], other[order], (start - extra)[order], (end + extra)[order], is_point[order])
 
 
-def _close_pairs(vertices, faces, kept, margin):
-    """Pairs of faces whose boxes meet and that share no edge, with the number of vertices they share (0 or 1)."""
-    tried = []
-    for axes in _FRAMES:
-        frame = _boxes(vertices, faces[kept], axes, margin)
-        probes = frame[3][:: 1 + len(kept) // _PROBES]
-        tried.append((len(frame[2].query(probes)[0]) / len(probes), frame))
-        if tried[-1][0] <= _FEW:
-            break
-    low, high, tree, boxes = min(tried, key=lambda attempt: attempt[0])[1]
-    one, two = tree.query(boxes)
-    keep = one < two
-    one, two = one[keep], two[keep]
-    keep = (low[one, 2] <= high[two, 2]) & (low[two, 2] <= high[one, 2])
-    one, two = kept[one[keep]], kept[two[keep]]
-    first, second = faces[one], faces[two]
+def _straddling(planes: Planes, edge_faces: np.ndarray, margin: float):
+    """Pairs of faces that reach to both sides of each other's planes, and how many vertices they share: 0 or 1."""
+    vertices, faces = planes.vertices, planes.faces
+    kept = np.flatnonzero(planes.normal.any(axis=1))
+    sheet = _flat_sheets(planes, edge_faces)
+    pairs = [np.zeros(0, dtype=np.int64)]
+    for one, two in close_pairs(vertices[faces[kept]], margin, sheet[kept]):
+        one, two = kept[one], kept[two]
+        shared = _n_shared(faces, one, two)
+        apart = shared < 2
+        one, two, shared = one[apart], two[apart], shared[apart]
+        for _ in range(2):  # few pairs are left for the second
+            straddles = planes.straddled(two, one, shared)
+            one, two, shared = two[straddles], one[straddles], shared[straddles]
+        pairs.append((one * len(faces) + two)[~planes.coincide(one, two)])
+    pair = np.unique(np.concatenate(pairs))
+    one, two = pair // len(faces), pair % len(faces)
+    return one, two, _n_shared(faces, one, two)
+
+
+def _n_shared(faces: np.ndarray, one: np.ndarray, two: np.ndarray) -> np.ndarray:
+    """(N,) how many vertices two faces share."""
     n_shared = np.zeros(len(one), dtype=np.int8)
     for i in range(3):
         for j in range(3):
-            n_shared += first[:, i] == second[:, j]
-    keep = n_shared < 2
-    return one[keep], two[keep], n_shared[keep]
+            n_shared += faces[one, i] == faces[two, j]
+    return n_shared
 
 
-def _boxes(vertices, faces, axes, margin):
-    """Bounding boxes along `axes`, and a tree of their first two sides."""
-    corner = (vertices @ axes)[faces]
-    low, high = corner.min(axis=1) - margin, corner.max(axis=1) + margin
-    # A diagonal has the box's envelope, which is all the tree looks at, and is made in less time than the box.
-    boxes = np.asarray(shapely.linestrings(np.stack([low[:, :2], high[:, :2]], axis=1)))
-    return low, high, shapely.STRtree(boxes), boxes
+def _flat_sheets(planes: Planes, edge_faces: np.ndarray) -> np.ndarray:
+    """(F,) number of the flat sheet that each face is part of, -1 for none."""
+    n = len(planes.faces)
+    one, two = edge_faces.T
+    near = FLAT_SHEET * planes.scale
+    bend = np.maximum(np.abs(planes.distances(one, two)), np.abs(planes.distances(two, one))).max(axis=1)
+    flat = (bend <= near) & ((planes.normal[one] * planes.normal[two]).sum(axis=1) > 0)
+    graph = coo_array((np.ones(flat.sum(), dtype=np.int8), (one[flat], two[flat])), shape=(n, n))
+    n_sheets, sheet = connected_components(graph, directed=False)
+    # Sheets that bend little by little are none: each is held against the plane of its largest face.
+    sides = planes.vertices[planes.faces[:, 1:]] - planes.vertices[planes.faces[:, :1]]
+    size = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
+    largest = np.zeros(n_sheets, dtype=np.int64)
+    order = np.argsort(size, kind="stable")
+    largest[sheet[order]] = order  # the last one written stays
+    away = np.abs(planes.distances(largest[sheet], np.arange(n))).max(axis=1)
+    bent = np.zeros(n_sheets, dtype=bool)
+    bent[sheet[away > near]] = True
+    few = np.bincount(sheet, minlength=n_sheets) < SMALLEST_SHEET
+    return np.where((bent | few)[sheet], -1, sheet)
 
 
 def _side_crossings(corner, distance):

@@ -16,9 +16,10 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from exact.visibility.grid import counting
 from exact.visibility.limits import Usable
 from exact.visibility.projection import Image
-from exact.visibility.screen import Screen, counting
+from exact.visibility.screen import Screen
 from exact.visibility.silhouettes import Cuts, crossings
 
 HIDDEN, WHOLE, CUT = 0, 1, 2

@@ -4,18 +4,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from exact.visibility.grid import Grid, counting, greatest, in_window, least
 from exact.visibility.projection import Image
+from exact.visibility.sight_depth import SAME_DEPTH, Depths, blocks, cell_centres_in, sight_depth
 
-# Two faces that differ less in depth (relatively) may be in the same plane, which is then looked into.
-SAME_DEPTH = 1e-7
 # An image triangle thinner than this part of its longest side is a line: it hides nothing and is not seen.
 THINNEST_IMAGE = 1e-14
+# Images smaller than this are points.
+SMALLEST_IMAGE = 1e-150
 # Slack with which a point on the common edge of two faces belongs to both (in parts of the face).
 ON_EDGE = 1e-12
-# Cells along either side of the grid that finds what is near the active faces.
-CELLS = 128
-# A window narrower than this (in image coordinates of order 1) is one cell wide.
-NARROWEST_WINDOW = 1e-15
+# Pairs of a point and a triangle near it that are looked at in one go: few enough for caches, many enough for numpy.
+PAIRS = 250_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,8 +33,20 @@ class Screen:
         Their corners.
     nearest, farthest : (N,) float
         Greatest and least 1/depth of each.
-    cells : (4, N) int
-        Left, low, right and high cell of `grid` that the box of each triangle reaches.
+    shape : (N,) float
+        Twice the area of each over the square of its longest side: how thick it is.
+    marks : (n, n) bool
+        Cells of the grid in which something is asked about.
+    first, near : (n * n + 1,) int, (P,) int
+        Triangles that touch each of those cells and can be seen there: near[first[cell] : first[cell + 1]].
+    limit : (n * n,) int
+        What is farther away than this in a cell is hidden there; see `sight_depth`.
+    depths : Depths
+        How depths are counted in `limit`.
+    rims : (S, 2) int
+        End points of the edges where a sheet of what can hide ends or folds back in the image.
+    first_rim, near_rims : (n * n + 1,) int, (Q,) int
+        Those that touch each cell and can be seen there.
     grid : Grid
         Over the part of the field of view where something is asked about.
     face_distance : (F,) float or None
@@ -50,8 +62,16 @@ class Screen:
     inverse_depth: np.ndarray
     nearest: np.ndarray
     farthest: np.ndarray
-    cells: np.ndarray
-    grid: "Grid"
+    shape: np.ndarray
+    marks: np.ndarray
+    first: np.ndarray
+    near: np.ndarray
+    limit: np.ndarray
+    depths: Depths
+    rims: np.ndarray
+    first_rim: np.ndarray
+    near_rims: np.ndarray
+    grid: Grid
     face_distance: np.ndarray | None
 
     @classmethod
@@ -61,27 +81,59 @@ class Screen:
         corner = image.corners[candidate]
         x, y = image.x[corner], image.y[corner]
         box = np.stack([least(x), least(y), greatest(x), greatest(y)])
-        asked = (active & image.front)[image.parent[candidate]] & in_window(box, -image.camera.half_extent)
-        grid = Grid.over(box[:, asked], image.camera.half_extent)
-        near = np.flatnonzero(in_window(box, grid.low, grid.high))
-        cells = grid.cells_of(box[:, near])
-        # Late in a long row of cameras few faces are active, and most of what could hide has nothing left to hide.
-        met = grid.meets(grid.marked(cells[:, asked[near]]), cells)
-        near, cells = near[met], cells[:, met]
-        candidate, corner, x, y, box = candidate[near], corner[near], x[near], y[near], box[:, near]
         side_x, side_y = x[:, 1:] - x[:, :1], y[:, 1:] - y[:, :1]
         twice_area = np.abs(side_x[:, 0] * side_y[:, 1] - side_y[:, 0] * side_x[:, 1])
-        longest = np.maximum(box[2] - box[0], box[3] - box[1])
-        kept = twice_area > THINNEST_IMAGE * longest**2
-        triangle, inverse_depth = candidate[kept], image.inverse_depth[corner[kept]]
-        face_distance = None
+        asked = (active & image.front)[image.parent[candidate]] & in_window(box, -image.camera.half_extent)
+        grid = Grid.over(box[:, asked], image.camera.half_extent, box, twice_area / 2)
+        near = np.flatnonzero(in_window(box, grid.low, grid.high))
+        cells = grid.boxes(box[:, near])
+        # Late in a long row of cameras few faces are active, and most of what could hide has nothing left to hide.
+        marks = grid.marked(cells[:, asked[near]])
+        near = near[grid.meets(marks, cells)]
+        candidate, corner, x, y, box, twice_area = (
+            candidate[near], corner[near], x[near], y[near], box[:, near], twice_area[near],
+        )  # fmt: skip
+        inverse_depth = image.inverse_depth[corner]
+        shape = twice_area / np.maximum(np.maximum(box[2] - box[0], box[3] - box[1]), SMALLEST_IMAGE) ** 2
+        nearest, farthest = greatest(inverse_depth), least(inverse_depth)
+        owner, cell = grid.touched(x, y, marks)
+        face_distance, depths = None, Depths.between(farthest, nearest)
         if depth_order == "vertex":
             surface = image.surface
             distance = np.linalg.norm(surface.vertices - image.camera.position, axis=1)
             face_distance = distance[surface.faces].min(axis=1)
+            limit = np.zeros(grid.n_cells, dtype=np.int64)
+            ends, rim, rim_cell = np.zeros((0, 2), dtype=int), np.zeros(0, dtype=int), np.zeros(0, dtype=int)
+        else:
+            ends = rims(image)
+            rim, rim_cell = grid.touched(image.x[ends], image.y[ends], marks)
+            rim_depth = image.inverse_depth[ends]
+            rim_steps = depths.near(greatest(rim_depth))
+            steps = depths.near(nearest)
+            covers = cell_centres_in(grid, owner, cell, x, y, shape)
+            limit = sight_depth(
+                grid.n_cells,
+                np.concatenate([cell, rim_cell]),
+                np.concatenate([steps[owner], rim_steps[rim]]),
+                np.concatenate([depths.far(farthest)[owner], depths.far(least(rim_depth))[rim]]),
+                np.concatenate([covers, np.zeros(len(rim), dtype=bool)]),
+                len(owner),
+            )
+            seen = steps[owner] >= limit[cell]
+            owner, cell = owner[seen], cell[seen]
+            seen = rim_steps[rim] >= limit[rim_cell]
+            rim, rim_cell = rim[seen], rim_cell[seen]
+        thick = shape > THINNEST_IMAGE
+        kept = np.zeros(len(candidate), dtype=bool)
+        kept[owner] = True
+        kept &= thick
+        listed = kept[owner]
+        owner, cell = (np.cumsum(kept) - 1)[owner[listed]], cell[listed]
+        triangle = candidate[kept]
         return cls(
-            image, triangle, image.parent[triangle], x[kept], y[kept], inverse_depth,
-            greatest(inverse_depth), least(inverse_depth), cells[:, kept], grid, face_distance,
+            image, triangle, image.parent[triangle], x[kept], y[kept], inverse_depth[kept], nearest[kept],
+            farthest[kept], shape[kept], marks, *grid.listed(owner, cell), limit, depths, ends,
+            *grid.listed(rim, rim_cell), grid, face_distance,
         )  # fmt: skip
 
     def sees(self, face: np.ndarray, inner: np.ndarray) -> np.ndarray:
@@ -95,104 +147,34 @@ class Screen:
         half_x, half_y = image.camera.half_extent
         seen = ahead & image.front[face] & (np.abs(x) <= half_x) & (np.abs(y) <= half_y)
         asked = np.flatnonzero(seen)
-        point, found = self._boxes_around(x[asked], y[asked])
-        point = asked[point]
+        cell = self.grid.cell(x[asked], y[asked])
+        order = np.argsort(cell, kind="stable")
+        asked, cell = asked[order], cell[order]
+        count = self.first[cell + 1] - self.first[cell]
+        for low, high in blocks(count, PAIRS):
+            point = np.repeat(asked[low:high], count[low:high])
+            found = self.near[np.repeat(self.first[cell[low:high]], count[low:high]) + counting(count[low:high])]
+            seen[self._hidden(point, found, face, x, y, inverse_depth)] = False
+        return seen
+
+    def _hidden(self, point, found, face, x, y, inverse_depth) -> np.ndarray:
+        """Those of the points that a triangle hides that stands with them in `point`, `found`: (P,) int."""
         if self.face_distance is not None:
             nearer = self.face_distance[self.parent[found]] < self.face_distance[face[point]]
             point, found = point[nearer], found[nearer]
-            hidden = least(self._weights(found, x[point], y[point])) >= -ON_EDGE
-        else:
-            near_enough = (self.nearest[found] > inverse_depth[point]) & (self.parent[found] != face[point])
-            point, found = point[near_enough], found[near_enough]
-            weight = self._weights(found, x[point], y[point])
-            lead = (weight * self.inverse_depth[found]).sum(axis=1) / inverse_depth[point] - 1
-            hidden = (least(weight) >= -ON_EDGE) & (lead > 0)
-            # Faces in one plane do not hide each other, whichever way rounding goes.
-            close = np.flatnonzero(hidden & (lead < SAME_DEPTH))
-            hidden[close] = ~image.surface.planes.coincide(self.parent[found[close]], face[point[close]])
-        seen[point[hidden]] = False
-        return seen
-
-    def _boxes_around(self, x: np.ndarray, y: np.ndarray):
-        """Pairs of a point and a triangle whose box may contain it."""
-        column, row = self.grid.cell(x, 0), self.grid.cell(y, 1)
-        key = column * CELLS + row
-        order = np.argsort(key, kind="stable")
-        key = key[order]
-        marks = np.zeros((CELLS, CELLS), dtype=bool)
-        marks[column, row] = True
-        triangle = np.flatnonzero(self.grid.meets(marks, self.cells))
-        left, low, right, high = self.cells[:, triangle]
-        # The points in one column of a triangle's cells follow each other.
-        width = right - left + 1
-        which = np.repeat(np.arange(len(triangle)), width)
-        column = left[which] + counting(width)
-        first = np.searchsorted(key, column * CELLS + low[which], "left")
-        count = np.searchsorted(key, column * CELLS + high[which], "right") - first
-        return order[np.repeat(first, count) + counting(count)], triangle[np.repeat(which, count)]
+            return point[least(self._weights(found, x[point], y[point])) >= -ON_EDGE]
+        near_enough = (self.nearest[found] > inverse_depth[point]) & (self.parent[found] != face[point])
+        point, found = point[near_enough], found[near_enough]
+        weight = self._weights(found, x[point], y[point])
+        lead = (weight * self.inverse_depth[found]).sum(axis=1) / inverse_depth[point] - 1
+        hidden = (least(weight) >= -ON_EDGE) & (lead > 0)
+        # Faces in one plane do not hide each other, whichever way rounding goes.
+        close = np.flatnonzero(hidden & (lead < SAME_DEPTH))
+        hidden[close] = ~self.image.surface.planes.coincide(self.parent[found[close]], face[point[close]])
+        return point[hidden]
 
     def _weights(self, found: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         return barycentric(self.x[found], self.y[found], x, y)
-
-
-@dataclass(frozen=True, eq=False)
-class Grid:
-    """`CELLS` x `CELLS` cells over a window of the image, to find boxes and points that are near each other.
-
-    Attributes
-    ----------
-    low, high : (2,) float
-        Corners of the window.
-    """
-
-    low: np.ndarray
-    high: np.ndarray
-
-    @classmethod
-    def over(cls, box: np.ndarray, half_extent: np.ndarray) -> "Grid":
-        """The grid over all boxes (left, low, right, high; (4, N)), as far as they lie in the field of view."""
-        if box.shape[1] == 0:
-            return cls(np.zeros(2), np.zeros(2))
-        return cls(np.maximum(box[:2].min(axis=1), -half_extent), np.minimum(box[2:].max(axis=1), half_extent))
-
-    def cell(self, coordinate: np.ndarray, axis: int) -> np.ndarray:
-        """Column (axis 0) or row (axis 1) of the cell that holds each coordinate; the outer cells reach outwards."""
-        size = self.high[axis] - self.low[axis]
-        scale = CELLS / size if size > NARROWEST_WINDOW else 0.0
-        return np.clip((coordinate - self.low[axis]) * scale, 0, CELLS - 1).astype(np.int64)
-
-    def cells_of(self, box: np.ndarray) -> np.ndarray:
-        """(4, N) cells that boxes (4, N) reach: left, low, right, high."""
-        return np.stack([self.cell(side, k % 2) for k, side in enumerate(box)])
-
-    def marked(self, cells: np.ndarray) -> np.ndarray:
-        """(CELLS, CELLS) bool: the cells that some box reaches."""
-        left, low, right, high = cells
-        # Marks at the corners of each box, summed up along both axes, are the number of boxes over each cell.
-        corners = np.zeros((CELLS + 1, CELLS + 1), dtype=np.int32)
-        np.add.at(corners, (left, low), 1)
-        np.add.at(corners, (right + 1, low), -1)
-        np.add.at(corners, (left, high + 1), -1)
-        np.add.at(corners, (right + 1, high + 1), 1)
-        return corners.cumsum(axis=0).cumsum(axis=1)[:CELLS, :CELLS] > 0
-
-    def meets(self, marks: np.ndarray, cells: np.ndarray) -> np.ndarray:
-        """(N,) whether boxes that reach these `cells` (4, N) reach one of the marked ones."""
-        left, low, right, high = cells
-        total = np.zeros((CELLS + 1, CELLS + 1), dtype=np.int32)
-        total[1:, 1:] = marks.cumsum(axis=0, dtype=np.int32).cumsum(axis=1)
-        return total[right + 1, high + 1] - total[left, high + 1] - total[right + 1, low] + total[left, low] > 0
-
-
-def counting(count: np.ndarray) -> np.ndarray:
-    """0, 1, .. count[0] - 1, 0, 1, .. count[1] - 1, and so on."""
-    return np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
-
-
-def in_window(box: np.ndarray, low: np.ndarray, high: np.ndarray | None = None) -> np.ndarray:
-    """(N,) whether boxes (left, low, right, high; (4, N)) meet a window, by default symmetric about the origin."""
-    high = -low if high is None else high
-    return (box[0] <= high[0]) & (box[1] <= high[1]) & (box[2] >= low[0]) & (box[3] >= low[1])
 
 
 def seen_from_outside(image: Image) -> bool:
@@ -207,14 +189,22 @@ def hides(image: Image) -> np.ndarray:
     return image.front if seen_from_outside(image) else np.ones_like(image.front)
 
 
-def least(columns: np.ndarray) -> np.ndarray:
-    """(N,) least of the three numbers in each row of (N, 3); numpy's own is slow along so short an axis."""
-    return np.minimum(np.minimum(columns[:, 0], columns[:, 1]), columns[:, 2])
+def rims(image: Image, concave: bool = True) -> np.ndarray:
+    """(S, 2) end points of the edges where the image of a sheet of what can hide ends, or folds back.
 
-
-def greatest(columns: np.ndarray) -> np.ndarray:
-    """(N,) greatest of the three numbers in each row of (N, 3)."""
-    return np.maximum(np.maximum(columns[:, 0], columns[:, 1]), columns[:, 2])
+    With or without those between a front and a back that clearly look at each other.
+    """
+    surface = image.surface
+    ahead = np.isfinite(image.x)
+    state = np.where(image.whole >= 0, image.front, 2).astype(np.int8)
+    between = state[surface.edge_faces[:, 0]] != state[surface.edge_faces[:, 1]]
+    if not concave:
+        between &= ~surface.edge_is_concave
+    loose = hides(image)[surface.loose_edge_faces]
+    edges = np.concatenate([surface.edges[between], surface.loose_edges[loose]])
+    edges = edges[ahead[edges].all(axis=1)]
+    parts = image.corners[image.is_part]
+    return np.concatenate([edges, parts[:, [0, 1]], parts[:, [1, 2]], parts[:, [2, 0]]])
 
 
 def barycentric(x: np.ndarray, y: np.ndarray, at_x: np.ndarray, at_y: np.ndarray) -> np.ndarray:

@@ -1,17 +1,24 @@
 """Along which segments the silhouettes, the border of the field of view and the near plane cut the faces they cross."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-import shapely
 
+from exact.visibility.grid import counting, greatest, least
 from exact.visibility.projection import NEAR, Image
-from exact.visibility.screen import SAME_DEPTH, Screen, barycentric, greatest, hides, least, seen_from_outside
+from exact.visibility.screen import PAIRS, Screen, barycentric, rims, seen_from_outside
+from exact.visibility.sight_depth import SAME_DEPTH, THICK, blocks
 
 # Segments are followed this far beyond a face (in parts of the face), so that they surely reach its outline.
 MARGIN = 1e-7
 # A segment from a corner that leaves the face at a smaller slope than this runs along the face's side.
 ALONG_SIDE = 1e-9
+
+# Nearer to each other than this (in parts of the field of view) two segments meet: far above rounding.
+APART = 1e-9
+# Segments from a common end at a smaller angle than this [rad] may run along each other.
+TURNED = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,19 +78,9 @@ def crossings(screen: Screen, asked: np.ndarray) -> Cuts:
         )
         for k in (0, 1)
     )
-    # A diagonal has the envelope of the triangle's box, which is all the tree looks at.
-    index = np.flatnonzero(asked)
-    box = [edge(part[index]) for edge in (least, greatest) for part in (screen.x, screen.y)]
-    tree = shapely.STRtree(_lines(*box))
-    segment, found = tree.query(_lines(start.x, start.y, end.x, end.y))
-    found = index[found]
-    nearest = np.maximum(start.inverse_depth, end.inverse_depth) * (1 + SAME_DEPTH)
-    if screen.face_distance is None:
-        keep = nearest[segment] >= screen.farthest[found]
-        segment, found = segment[keep], found[keep]
-    keep = _line_meets(screen, found, start.take(segment), end.take(segment))
-    segment, found = segment[keep], found[keep]
-    cuts = _clip(screen, found, start.take(segment), end.take(segment))
+    parts = [_clip(screen, found, start.take(which), end.take(which)) for which, found in
+             _pairs(screen, asked, start, end)]  # fmt: skip
+    cuts = Cuts.joined(parts or [Cuts(np.zeros(0, dtype=int), np.zeros((0, 2)), np.zeros((0, 2)))])
     if image.frame is None:
         return cuts
     # A part of a face is cut off the rest along the near plane.
@@ -92,8 +89,30 @@ def crossings(screen: Screen, asked: np.ndarray) -> Cuts:
     return Cuts.joined([cuts, *(Cuts(owner, frame[:, i], frame[:, j]) for i, j in ((0, 1), (1, 2), (2, 0)))])
 
 
-def _lines(x0: np.ndarray, y0: np.ndarray, x1: np.ndarray, y1: np.ndarray) -> np.ndarray:
-    return np.asarray(shapely.linestrings(np.stack([x0, x1], axis=1), np.stack([y0, y1], axis=1)))
+def _pairs(screen: Screen, asked: np.ndarray, start: _Ends, end: _Ends) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """Segments and triangles `asked` about that they may cut, in blocks: they meet in a cell where both can be seen."""
+    nearest = np.maximum(start.inverse_depth, end.inverse_depth) * (1 + SAME_DEPTH)
+    segment, cell = screen.grid.touched(
+        np.stack([start.x, end.x], axis=1), np.stack([start.y, end.y], axis=1), screen.marks
+    )
+    if screen.face_distance is None:
+        seen = screen.depths.near(nearest)[segment] >= screen.limit[cell]
+        segment, cell = segment[seen], cell[seen]
+    wanted = asked[screen.near]
+    near, first = screen.near[wanted], np.append(0, np.cumsum(wanted))[screen.first]
+    count = first[cell + 1] - first[cell]
+    # A block ends with a segment, so that no pair is in two of them.
+    begins = np.flatnonzero(np.diff(segment, prepend=-1))
+    for low, high in blocks(np.add.reduceat(count, begins) if len(begins) else count, PAIRS):
+        part = slice(begins[low], begins[high] if high < len(begins) else len(segment))
+        found = near[np.repeat(first[cell[part]], count[part]) + counting(count[part])]
+        which = np.repeat(segment[part], count[part])
+        if screen.face_distance is None:
+            keep = nearest[which] >= screen.farthest[found]
+            which, found = which[keep], found[keep]
+        keep = _line_meets(screen, found, start.take(which), end.take(which))
+        pair = np.unique(which[keep] * len(asked) + found[keep])
+        yield pair // len(asked), pair % len(asked)
 
 
 def _silhouettes(image: Image) -> np.ndarray:
@@ -103,17 +122,7 @@ def _silhouettes(image: Image) -> np.ndarray:
     concave edge of a solid seen from outside is itself hidden: the line of sight reaches it through the solid, which
     hides what is behind on either side of it.
     """
-    surface = image.surface
-    ahead = np.isfinite(image.x)
-    state = np.where(image.whole >= 0, image.front, 2).astype(np.int8)
-    between = state[surface.edge_faces[:, 0]] != state[surface.edge_faces[:, 1]]
-    if seen_from_outside(image):
-        between &= ~surface.edge_is_concave
-    loose = hides(image)[surface.loose_edge_faces]
-    edges = np.concatenate([surface.edges[between], surface.loose_edges[loose]])
-    edges = edges[ahead[edges].all(axis=1)]
-    parts = image.corners[image.is_part]
-    return np.concatenate([edges, parts[:, [0, 1]], parts[:, [1, 2]], parts[:, [2, 0]]])
+    return rims(image, concave=not seen_from_outside(image))
 
 
 def _all_edges(screen: Screen) -> np.ndarray:
@@ -168,6 +177,20 @@ def _clip(screen: Screen, found: np.ndarray, start: _Ends, end: _Ends) -> Cuts:
         keep &= np.maximum(first, last) > -SAME_DEPTH
     found, inverse, step = found[keep], inverse[keep], step[keep]
     ends = []
+    if screen.face_distance is None and image.frame is None:
+        start, end = start.take(keep), end.take(keep)
+        places = [
+            _Ends(
+                start.point,
+                start.x + at[keep] * (end.x - start.x),
+                start.y + at[keep] * (end.y - start.y),
+                ((at_start[keep] + at[keep, None] * step) * inverse).sum(axis=1),
+            )
+            for at in (enter, leave)
+        ]
+        matters = _matters(screen, found, start, end, *places)
+        keep[keep] = matters
+        found, inverse, step = found[matters], inverse[matters], step[matters]
     for at in (enter[keep], leave[keep]):
         where = np.where(at[:, None] == 1.0, at_end[keep], at_start[keep] + at[:, None] * step)
         weight = where * inverse  # perspective: 1/depth is affine in the image, the place in the plane is not
@@ -177,6 +200,101 @@ def _clip(screen: Screen, found: np.ndarray, start: _Ends, end: _Ends) -> Cuts:
         else:
             ends.append((weight[:, :, None] * image.frame[screen.triangle[found]]).sum(axis=1))
     return Cuts(screen.parent[found], ends[0], ends[1])
+
+
+def _matters(screen: Screen, found: np.ndarray, start: _Ends, end: _Ends, enter: _Ends, leave: _Ends) -> np.ndarray:
+    """Whether cuts of triangles `found`, from `enter` to `leave`, can part what is seen from what is not.
+
+    A cut does not if its triangle is hidden on both sides of it: by another sheet of faces than that of the silhouette
+    from `start` to `end` itself. Whatever hides the middle of a cut hides all of it, unless a sheet ends or folds back
+    on the way, in front of the triangle, or a face cuts through the triangle.
+    """
+    image, surface = screen.image, screen.image.surface
+    cut_through = np.zeros(len(surface.faces), dtype=bool)
+    cut_through[surface.intersections.face] = True
+    asked = np.flatnonzero(~cut_through[screen.parent[found]])
+    hidden, covered = _hidden_by_others(screen, *(ends.take(asked) for ends in (start, end, enter, leave)))
+    matters = np.ones(len(found), dtype=bool)
+    matters[asked[hidden]] = False
+    asked = asked[hidden & ~covered]
+    which, cell = screen.grid.touched(
+        np.stack([enter.x[asked], leave.x[asked]], axis=1), np.stack([enter.y[asked], leave.y[asked]], axis=1),
+        screen.marks,
+    )  # fmt: skip
+    which = asked[which]
+    count = screen.first_rim[cell + 1] - screen.first_rim[cell]
+    for low, high in blocks(count, PAIRS):
+        part = slice(low, high)
+        cut = np.repeat(which[part], count[part])
+        rim = screen.rims[
+            screen.near_rims[np.repeat(screen.first_rim[cell[part]], count[part]) + counting(count[part])]
+        ]
+        nearest = image.inverse_depth[rim].max(axis=1) * (1 + SAME_DEPTH)
+        ahead = nearest >= np.minimum(enter.inverse_depth[cut], leave.inverse_depth[cut])
+        cut, rim = cut[ahead], rim[ahead]
+        matters[cut[_meets(image, rim, start.take(cut), end.take(cut), enter.take(cut), leave.take(cut))]] = True
+    return matters
+
+
+def _hidden_by_others(screen: Screen, start: _Ends, end: _Ends, enter: _Ends, leave: _Ends):
+    """Whether a triangle surely hides the middle of each cut, and whether one hides each half of it: (N,), (N,).
+
+    Triangles about the ends of the silhouette itself are left out of account.
+    """
+    x, y = (enter.x + leave.x) / 2, (enter.y + leave.y) / 2
+    inverse_depth = (enter.inverse_depth + leave.inverse_depth) / 2
+    hidden, first_half, second_half = np.zeros((3, len(x)), dtype=bool)
+    cell = screen.grid.cell(x, y)
+    count = screen.first[cell + 1] - screen.first[cell]
+
+    def hides(found, x, y, inverse_depth) -> np.ndarray:
+        weight = barycentric(screen.x[found], screen.y[found], x, y)
+        return (least(weight) >= 0) & ((weight * screen.inverse_depth[found]).sum(axis=1) > nearer * inverse_depth)
+
+    nearer = 1 + SAME_DEPTH
+    for low, high in blocks(count, PAIRS):
+        cut = low + np.repeat(np.arange(high - low), count[low:high])
+        found = screen.near[np.repeat(screen.first[cell[low:high]], count[low:high]) + counting(count[low:high])]
+        near_enough = (screen.nearest[found] > inverse_depth[cut]) & (screen.shape[found] > THICK)
+        cut, found = cut[near_enough], found[near_enough]
+        here = hides(found, x[cut], y[cut], inverse_depth[cut])
+        cut, found = cut[here], found[here]
+        corner = screen.image.corners[screen.triangle[found]]
+        others = ~((corner == start.point[cut, None]) | (corner == end.point[cut, None])).any(axis=1)
+        cut, found = cut[others], found[others]
+        hidden[cut] = True
+        for ends, half in ((enter, first_half), (leave, second_half)):
+            half[cut[hides(found, ends.x[cut], ends.y[cut], ends.inverse_depth[cut])]] = True
+    return hidden, first_half & second_half
+
+
+def _meets(image: Image, rim: np.ndarray, start: _Ends, end: _Ends, enter: _Ends, leave: _Ends) -> np.ndarray:
+    """(N,) whether rims (N, 2) meet cuts, or nearly so, other than in a common end of rim and silhouette."""
+    x, y = image.x[rim], image.y[rim]
+    near = APART * float(image.camera.half_extent.max())
+
+    def one_side(x0, y0, x1, y1, of_x, of_y) -> np.ndarray:
+        """Whether both points (N, 2) lie clearly on one side of the line through two others."""
+        along_x, along_y = x1 - x0, y1 - y0
+        side = along_x[:, None] * (of_y - y0[:, None]) - along_y[:, None] * (of_x - x0[:, None])
+        far = near * np.hypot(along_x, along_y)
+        return (side > far[:, None]).all(axis=1) | (side < -far[:, None]).all(axis=1)
+
+    cut_x, cut_y = np.stack([enter.x, leave.x], axis=1), np.stack([enter.y, leave.y], axis=1)
+    apart = one_side(enter.x, enter.y, leave.x, leave.y, x, y)
+    apart |= one_side(x[:, 0], y[:, 0], x[:, 1], y[:, 1], cut_x, cut_y)
+    for of_rim, of_cut in ((x, cut_x), (y, cut_y)):
+        apart |= (of_rim.min(axis=1) > of_cut.max(axis=1) + near) | (of_rim.max(axis=1) < of_cut.min(axis=1) - near)
+    # The silhouette itself, and those that follow it and turn away from its line.
+    along_x, along_y, rim_x, rim_y = end.x - start.x, end.y - start.y, x[:, 1] - x[:, 0], y[:, 1] - y[:, 0]
+    length = np.hypot(along_x, along_y) * np.hypot(rim_x, rim_y)
+    turned = np.abs(along_x * rim_y - along_y * rim_x) > TURNED * length
+    for k, own in ((0, start.point), (1, end.point)):
+        for j in (0, 1):
+            onwards = (along_x * rim_x + along_y * rim_y) * (1 if k == j else -1) < 0
+            apart |= (rim[:, j] == own) & (turned | onwards)
+    same = (rim == start.point[:, None]).any(axis=1) & (rim == end.point[:, None]).any(axis=1)
+    return ~(apart | same)
 
 
 def _leads_away(step: np.ndarray, shared: np.ndarray) -> np.ndarray:

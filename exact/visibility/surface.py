@@ -68,7 +68,7 @@ class Surface:
     @cached_property
     def intersections(self) -> Intersections:
         """The segments in which faces cut each other, in both faces' own coordinates."""
-        return intersecting_faces(self.planes)
+        return intersecting_faces(self.planes, self.edge_faces)
 
     @cached_property
     def planes(self) -> Planes:

@@ -20,7 +20,7 @@ SITES = (
     "spine_disc", "cerebellopontine", "glioblastoma", "eye_anterior",
 )  # fmt: skip
 DETAILS = ("coarse", "middle", "fine")
-BENCHMARKS = ("exact", "sites", "surrogate")
+BENCHMARKS = ("exact", "meshes", "sites", "surrogate")
 FORMATS = ("colmap", "transforms", "opencv", "glb", "csv")
 
 

@@ -1,0 +1,132 @@
+"""How deep one camera can see at most in each cell of a grid over its image.
+
+What lies behind a sheet of faces that covers a whole cell is hidden there, and so are the silhouettes among it, which
+cannot cast a shadow that matters. Triangles that touch a cell, sorted by depth, fall into layers: wherever the next one
+is farther than all before it, another layer begins. Neighbours share an edge and with it a depth, so they are in the
+same layer. A layer in which no sheet ends or folds back, and that covers the middle of its cell, covers all of it: on
+the way from the middle to any other point, each triangle that is left is followed by a neighbour.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from exact.visibility.grid import Grid
+
+# Steps in which depths are counted, from the farthest to the nearest.
+STEPS = 1 << 24
+# Faces that differ less in depth (relatively) may be in one plane, where neither hides the other.
+SAME_DEPTH = 1e-7
+# Only triangles at least this thick (in parts of their longest side) are sure to cover what they seem to cover.
+THICK = 1e-6
+# Pairs of a triangle and a cell whose middle it may cover that are looked at in one go, as many as suit caches.
+PAIRS = 250_000
+
+
+@dataclass(frozen=True)
+class Depths:
+    """Whole numbers in place of 1/depth, greater ones nearer: those of a near end rounded up, of a far end down."""
+
+    low: float
+    scale: float
+
+    @classmethod
+    def between(cls, farthest: np.ndarray, nearest: np.ndarray) -> "Depths":
+        """Numbers for 1/depth from the least of `farthest` to the greatest of `nearest`, (N,) [1/mm]."""
+        if not len(farthest):
+            return cls(0.0, 0.0)
+        low, high = float(farthest.min()), float(nearest.max())
+        return cls(low, STEPS / max(high * (1 + SAME_DEPTH) - low, SAME_DEPTH * high))
+
+    def near(self, inverse_depth: np.ndarray) -> np.ndarray:
+        """(N,) int64, not less than what they stand for, and by `SAME_DEPTH` nearer."""
+        steps = np.ceil((inverse_depth * (1 + SAME_DEPTH) - self.low) * self.scale) + 1
+        return np.clip(steps, 1, STEPS + 2).astype(np.int64)
+
+    def far(self, inverse_depth: np.ndarray) -> np.ndarray:
+        """(N,) int64, not greater than what they stand for."""
+        steps = np.floor((inverse_depth - self.low) * self.scale)
+        return np.clip(steps, 0, STEPS + 2).astype(np.int64)
+
+
+def sight_depth(
+    n_cells: int, cell: np.ndarray, near: np.ndarray, far: np.ndarray, covers: np.ndarray, n_triangles: int
+) -> np.ndarray:
+    """Depth in each cell beyond which nothing is seen.
+
+    Parameters
+    ----------
+    cell : (P,) int
+        Cells that triangles touch, then cells that rims touch, where a sheet ends or folds back.
+    near, far : (P,) int
+        Least and greatest depth of each, as `Depths`.
+    covers : (P,) bool
+        Whether it is a triangle that covers the middle of its cell.
+    n_triangles : int
+        How many of the P are of triangles.
+
+    Returns
+    -------
+    (n_cells,) int
+        As `Depths`; 0 where there is no limit.
+
+    Examples
+    --------
+    >>> cell, near, far = np.array([0, 0, 0]), np.array([9, 5, 7]), np.array([8, 4, 6])
+    >>> sight_depth(1, cell, near, far, np.array([True, True, False]), n_triangles=2)  # the nearest one covers it
+    array([8])
+    >>> sight_depth(1, cell, near, far, np.array([False, True, False]), n_triangles=2)
+    array([4])
+    """
+    limit = np.zeros(n_cells, dtype=np.int64)
+    if not len(cell):
+        return limit
+    ends = np.arange(len(cell)) >= n_triangles
+    room = STEPS + 4
+    order = np.argsort(cell * room + (STEPS + 3 - near))
+    cell, near, far, covers, ends = cell[order], near[order], far[order], covers[order], ends[order]
+    # The farthest so far in each cell: the numbers of a later cell are all less than those of one before.
+    farthest = np.minimum.accumulate(far - cell * room) + cell * room
+    begins = np.ones(len(cell), dtype=bool)
+    begins[1:] = (cell[1:] != cell[:-1]) | (near[1:] < farthest[:-1])
+    start = np.flatnonzero(begins)
+    whole = np.logical_or.reduceat(covers, start) & ~np.logical_or.reduceat(ends, start)
+    last = np.append(start[1:], len(cell)) - 1
+    # The nearest such layer of each cell, which comes first.
+    layer = np.flatnonzero(whole)[::-1]
+    limit[cell[start[layer]]] = farthest[last[layer]]
+    return limit
+
+
+def cell_centres_in(
+    grid: Grid, owner: np.ndarray, cell: np.ndarray, x: np.ndarray, y: np.ndarray, shape: np.ndarray
+) -> np.ndarray:
+    """(P,) whether the triangle `owner` covers the middle of a `cell`; of corners (N, 3) and thickness `shape` (N,)."""
+    inside = np.zeros(len(owner), dtype=bool)
+    for low in range(0, len(owner), PAIRS):
+        which, part = owner[low : low + PAIRS], slice(low, low + PAIRS)
+        at_x, at_y = grid.centres(cell[part])
+        turns = []
+        for k in range(3):
+            a, b = (which, k), (which, (k + 1) % 3)
+            turns.append((x[b] - x[a]) * (at_y - y[a]) - (y[b] - y[a]) * (at_x - x[a]))
+        least, greatest = np.minimum(np.minimum(*turns[:2]), turns[2]), np.maximum(np.maximum(*turns[:2]), turns[2])
+        inside[part] = ((least >= 0) | (greatest <= 0)) & (shape[which] > THICK)
+    return inside
+
+
+def blocks(count: np.ndarray, most: int) -> Iterator[tuple[int, int]]:
+    """Ranges of what has these counts, (N,), each of about `most` in sum, or of a single one that has more.
+
+    Examples
+    --------
+    >>> list(blocks(np.array([2, 2, 5, 1, 1]), 4))
+    [(0, 2), (2, 3), (3, 5)]
+    """
+    total = np.cumsum(count)
+    low, done = 0, 0
+    while low < len(count):
+        high = max(low + 1, int(np.searchsorted(total, done + most, "right")))
+        yield low, high
+        low, done = high, int(total[high - 1])
