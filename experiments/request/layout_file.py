@@ -54,6 +54,12 @@ class LayoutFile:
         kept = [self.content.get("mesh"), *(self.content.get("meshes") or ())]
         return {mesh["sha256"]: mesh.get("name", "a mesh") for mesh in kept if mesh and mesh.get("sha256") is not None}
 
+    def moved_to(self, ring: exact.Ring) -> exact.Demand:
+        """What makes a point count once the ring stands elsewhere: depth that is along its axis stays so."""
+        if self.demand.depth_axis != self.ring.axis:
+            return self.demand
+        return replace(self.demand, depth_axis=ring.axis)
+
     def refuse_other_mesh(self, mesh: trimesh.Trimesh, name: str, force: bool) -> None:
         """Refuse a mesh that it was not made for, unless it does not say for which, or with `force`.
 

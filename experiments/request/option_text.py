@@ -71,7 +71,7 @@ def parse_vector(text: str, option: str = "--focus") -> tuple[float, float, floa
     except ValueError:
         x = y = z = math.nan
     if not all(math.isfinite(number) for number in (x, y, z)):
-        raise InputError(f"{option} is {text!r}; it must be three numbers x,y,z in millimetres, as in 310,-120,8.5")
+        raise InputError(f"{option} is {text!r}; it must be three numbers x,y,z, as in 310,-120,8.5")
     return x, y, z
 
 

@@ -94,6 +94,6 @@ def warnings_about(name: str, mesh: trimesh.Trimesh, ring: exact.Ring) -> list[s
     if 0 < found.in_view < IN_VIEW:
         said.append(
             f"{name}: {100 * found.in_view:.1g} % of its surface is in view; if that is not meant, check its place "
-            "(--focus) and its unit (--scale)"
+            "(--focus and --axis, or --place auto, which finds them) and its unit (--scale)"
         )
     return said

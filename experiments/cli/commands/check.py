@@ -10,9 +10,10 @@ import exact
 import meshes
 from experiments.files.errors import InputError
 from experiments.files.whole import output_file
+from experiments.request import placing
 from experiments.request import rig as rig_file
 from experiments.request.meshes import USUAL_FOV, is_site, printable
-from experiments.request.outlook import places, seen
+from experiments.request.outlook import IN_VIEW, places, seen
 from experiments.terminal.console import note, print_json, table, terminal
 from experiments.terminal.progress import working
 from meshes.load import unit_hint
@@ -30,8 +31,10 @@ def run(
         if out.suffix.lower() != ".png":
             raise InputError(f"--out is {out}; its ending must be .png")
         output_file(out, force)
+    read, place = meshes.read(mesh, rig.scale), None
+    if rig.place == "auto":
+        ring, place = placing.over(placing.before_repair(read, True, mesh, False), ring)
     with working("looking at the mesh from all sides"):
-        read = meshes.read(mesh, rig.scale)
         found = meshes.inspect(read, mesh, seen_from=places(ring))
         sight = seen(read, ring)
     unit = unit_hint(max(found.extents), rig.scale)
@@ -39,11 +42,14 @@ def run(
     refused = meshes.MeshError(found.refused).at_command_line
     if as_json:
         content = asdict(found) | {"refused": refused or None, "in_view": sight.in_view, "unit": unit}
+        content["place"] = placing.content(place)
         content = {"bounds_mm" if key == "bounds" else "area_mm2" if key == "area" else key: value
                    for key, value in content.items()}  # fmt: skip
         print_json({"mesh": name, **content, "files": [] if out is None else [str(out)]})
     else:
         _print(name, found, sight.in_view, unit, refused, ring)
+    if place is not None:
+        note(f"placed: {mesh}: {placing.words(place)}")
     if out is not None:
         from experiments.figures.mesh_views import write_views  # matplotlib is heavy, and the rest needs none
 
@@ -69,7 +75,8 @@ def _print(
         ("winding", _winding(found)),
         ("opens towards", _direction(found.opening)),
         ("seen by the cameras", f"{100 * in_view:.1f} % of its surface, of which {100 * (found.back_share or 0):.1f} % "
-                                "from behind"),
+                                "from behind"
+                                + ("; --place auto finds a place for the ring" if in_view < IN_VIEW else "")),
         ("mended unasked", "; ".join(found.notes) or "nothing"),
         ("--repair", _repair(found)),
         ("without --repair", f"refused: {refused}" if refused else "used as it is"),
