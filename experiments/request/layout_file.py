@@ -60,6 +60,22 @@ class LayoutFile:
             return self.demand
         return replace(self.demand, depth_axis=ring.axis)
 
+    def loaded(self, options: dict[str, Any]) -> dict[str, bool]:
+        """How its mesh, the first of several, was loaded, with what options say otherwise: `repair`, `two_sided`.
+
+        Raises
+        ------
+        InputError
+        """
+        kept = self.content.get("mesh") or {}
+        found = {}
+        for name in ("repair", "two_sided"):
+            value = kept.get(name, False) if options.get(name) is None else options[name]
+            if not isinstance(value, bool):
+                raise InputError(f'{self.path}: "{name}" of its "mesh" is {value!r}; it must be true or false')
+            found[name] = value
+        return found
+
     def refuse_other_mesh(self, mesh: trimesh.Trimesh, name: str, force: bool) -> None:
         """Refuse a mesh that it was not made for, unless it does not say for which, or with `force`.
 

@@ -47,6 +47,10 @@ def test_what_a_repair_did(camring, tmp_path, quick_search):
     layout = json.loads((out / "layout.json").read_text(encoding="utf-8"))
     for one in (layout["mesh"], *layout["meshes"]):
         assert one["repairs"] == ["turned 1 body outside-out"] and one["repair"] and not one["two_sided"]
+    # What reads the layout repairs the mesh as it was.
+    assert camring("report", out, "--mesh", path, "--out", tmp_path / "page")[0] == 0
+    glb = ("export", out / "layout.json", "--format", "glb", "--mesh", path, "--out", tmp_path / "glb")
+    assert camring(*glb)[0] == 0 and camring(*glb, "--force", "--no-repair")[0] == 2
     status, out_text, _ = camring("evaluate", path, "--layout", out / "layout.json", "--repair", "--json")
     assert status == 0 and json.loads(out_text)["area_mm2"] == pytest.approx(layout["areas_mm2"]["optimised"])
 

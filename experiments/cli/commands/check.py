@@ -16,13 +16,16 @@ from experiments.request.meshes import USUAL_FOV, is_site, printable
 from experiments.request.outlook import IN_VIEW, places, seen
 from experiments.terminal.console import note, print_json, table, terminal
 from experiments.terminal.progress import working
-from meshes.load import unit_hint
+from meshes.load import UNITS, other_units, unit_hint
 
 
 def run(
     mesh: str, rig_path: Path | None, options: dict[str, Any], *, out: Path | None, force: bool, as_json: bool
 ) -> None:
-    """Read, look at it from all sides, print and draw. `options` are those of the rig, by the names of their keys."""
+    """Read, look at it from all sides, print and draw; in the end, refuse what every other command would refuse.
+
+    `options` are those of the rig, by the names of their keys.
+    """
     if is_site(mesh):
         raise InputError(f"{mesh} is a built-in site, and sound; give a mesh file")
     rig = rig_file.rig(rig_path, **options)
@@ -37,7 +40,7 @@ def run(
     with working("looking at the mesh from all sides"):
         found = meshes.inspect(read, mesh, seen_from=places(ring))
         sight = seen(read, ring)
-    unit = unit_hint(max(found.extents), rig.scale)
+    unit = _unit(max(found.extents), rig.scale)
     name = printable(Path(mesh).name)
     refused = meshes.MeshError(found.refused).at_command_line
     if as_json:
@@ -55,6 +58,8 @@ def run(
 
         write_views(out, name, read, ring)
         note(f"wrote {out}")
+    if refused:
+        raise InputError(refused)
 
 
 def _print(
@@ -85,6 +90,18 @@ def _print(
     for row in rows:
         shown.add_row(*row)
     terminal().print(shown)
+
+
+def _unit(extent: float, scale: float) -> str | None:
+    """What the largest side [mm] says against millimetres, if anything."""
+    likely = ", ".join(
+        f"in {unit} it would be {extent * UNITS[unit]:.3g} mm (--scale {scale * UNITS[unit]:g})"
+        for unit in other_units(extent)
+    )
+    hint = unit_hint(extent, scale)
+    if likely and hint is None:
+        return f"the largest side is {extent:.3g} mm; {likely}"
+    return hint
 
 
 def _winding(found: meshes.Inspection) -> str:
