@@ -15,6 +15,7 @@ from experiments.request import placing
 from experiments.request.outlook import places, warnings_about
 from experiments.terminal.console import note
 from experiments.terminal.progress import working
+from meshes.condition import overlapping
 from meshes.load import unit_hint
 
 # Mesh files say nothing about it: the field of view of Wachter 2021 [mm].
@@ -110,7 +111,10 @@ def subject(
     seen_from = None if ring is None else places(ring)
     mesh = meshes.check(mesh, repair, name, two_sided=two_sided, seen_from=seen_from)
     hint = unit_hint(float(mesh.extents.max()), scale)
-    warned = [f"{name}: {hint}"] if hint else []
+    on_top = overlapping.words(
+        overlapping.overlapping(np.asarray(mesh.vertices), np.asarray(mesh.faces)), meshes.file_faces(mesh)[0]
+    )
+    warned = [f"{name}: {words}" for words in (hint, on_top) if words]
     if ring is not None:
         warned += warnings_about(name, mesh, ring)
     about = Subject(printable(Path(name).name), mesh, False, USUAL_FOV, tuple(warned), ring)

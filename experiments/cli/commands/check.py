@@ -78,6 +78,7 @@ def _print(
                    f"no: {found.n_border_edges} edges of one face, {found.n_crowded_edges} of more than two"),
         ("bodies", f"{found.n_bodies}, of which {open_bodies} open"),
         ("winding", _winding(found)),
+        ("on top of others", found.overlapping or "no face"),
         ("opens towards", _direction(found.opening)),
         ("seen by the cameras", f"{100 * in_view:.1f} % of its surface, of which {100 * (found.back_share or 0):.1f} % "
                                 "from behind"
