@@ -12,7 +12,7 @@ import exact
 import meshes
 from experiments.files.errors import InputError
 from experiments.request import placing
-from experiments.request.outlook import places, warnings_about
+from experiments.request.outlook import places, unit_words, warnings_about
 from experiments.terminal.console import note
 from experiments.terminal.progress import working
 from meshes.condition import overlapping
@@ -110,7 +110,8 @@ def subject(
         ring, found = placing.over(placing.before_repair(mesh, repair, name, two_sided), ring)
     seen_from = None if ring is None else places(ring)
     mesh = meshes.check(mesh, repair, name, two_sided=two_sided, seen_from=seen_from)
-    hint = unit_hint(float(mesh.extents.max()), scale)
+    # Where a place was found, nothing else says that a mesh is small for the field of view.
+    hint = (unit_hint if found is None else unit_words)(float(mesh.extents.max()), scale)
     on_top = overlapping.words(
         overlapping.overlapping(np.asarray(mesh.vertices), np.asarray(mesh.faces)), meshes.file_faces(mesh)[0]
     )

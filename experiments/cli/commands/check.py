@@ -13,10 +13,9 @@ from experiments.files.whole import output_file
 from experiments.request import placing
 from experiments.request import rig as rig_file
 from experiments.request.meshes import USUAL_FOV, is_site, printable
-from experiments.request.outlook import IN_VIEW, places, seen
+from experiments.request.outlook import IN_VIEW, places, seen, unit_words
 from experiments.terminal.console import note, print_json, table, terminal
 from experiments.terminal.progress import working
-from meshes.load import UNITS, other_units, unit_hint
 
 
 def run(
@@ -40,7 +39,7 @@ def run(
     with working("looking at the mesh from all sides"):
         found = meshes.inspect(read, mesh, seen_from=places(ring))
         sight = seen(read, ring)
-    unit = _unit(max(found.extents), rig.scale)
+    unit = unit_words(max(found.extents), rig.scale)
     name = printable(Path(mesh).name)
     refused = meshes.MeshError(found.refused).at_command_line
     if as_json:
@@ -91,18 +90,6 @@ def _print(
     for row in rows:
         shown.add_row(*row)
     terminal().print(shown)
-
-
-def _unit(extent: float, scale: float) -> str | None:
-    """What the largest side [mm] says against millimetres, if anything."""
-    likely = ", ".join(
-        f"in {unit} it would be {extent * UNITS[unit]:.3g} mm (--scale {scale * UNITS[unit]:g})"
-        for unit in other_units(extent)
-    )
-    hint = unit_hint(extent, scale)
-    if likely and hint is None:
-        return f"the largest side is {extent:.3g} mm; {likely}"
-    return hint
 
 
 def _winding(found: meshes.Inspection) -> str:

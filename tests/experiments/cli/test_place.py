@@ -136,6 +136,14 @@ def test_an_inside_out_scan_is_repaired_first(camring, scans, tmp_path):
     assert found is None and "inside-out" in err and "--repair" in err and "repair=True" not in err
 
 
+def test_a_mesh_in_inches(camring, scans, tmp_path):
+    mesh = meshes.load(scans / "moved.ply")
+    mesh.apply_scale(1 / 25.4).export(tmp_path / "inches.stl")
+    status, out, _ = camring("evaluate", tmp_path / "inches.stl", "--cameras", 2, "--place", "auto", "--json")
+    (warning,) = json.loads(out)["mesh"]["warnings"]
+    assert status == 0 and "in inches it would be" in warning and "--scale 25.4" in warning
+
+
 @pytest.mark.parametrize("options, words", [
     (("--place", "up"), "--place is 'up'; it must be auto or none"),
     (("--place", "auto", "--focus", "0,0,1"), "--place auto finds what --focus gives"),
