@@ -78,7 +78,7 @@ def place(
     >>> cup = trimesh.creation.revolve([(0, -6), (9, -6), (9, 14), (8, 14), (8, -5), (0, -5)], sections=24)
     >>> _ = cup.apply_transform(trimesh.transformations.rotation_matrix(np.pi / 2, [1, 0, 0], [0, 0, 0]))
     >>> found = place(cup)
-    >>> np.round(found.axis, 1).tolist(), found.at
+    >>> (np.round(found.axis, 1) + 0.0).tolist(), found.at
     ([0.0, -1.0, 0.0], 'the floor of a hollow')
     """
     ring = RingShape(_length("diameter", diameter), _length("working_distance", working_distance),

@@ -78,8 +78,11 @@ def _inwards(sight: Sight, seen: np.ndarray, centre: np.ndarray, axis: np.ndarra
 def _is_deep(sight: Sight, seen: np.ndarray, centre: np.ndarray, axis: np.ndarray, radius: float) -> bool:
     """Whether a hollow is deep for its width: that of a disc of its area, seen along the axis."""
     which = _in_hollow(sight, seen, centre, axis, radius)
-    wide = 2 * np.sqrt(sight.worth[which] @ np.abs(sight.normals[which] @ axis) / np.pi)
-    return bool(which.any() and quantile(sight.sunk[which], sight.worth[which], 1 - FLOOR) > DEEP * wide)
+    if not which.any():
+        return False
+    worth, along = sight.worth[which], sight.points[which] @ axis
+    wide = 2 * np.sqrt(worth @ np.abs(sight.normals[which] @ axis) / np.pi)
+    return quantile(along, worth, 1 - FLOOR) - quantile(along, worth, FLOOR) > DEEP * wide
 
 
 def measured(points: np.ndarray, of_hollows: bool, axis: np.ndarray) -> np.ndarray:

@@ -185,7 +185,7 @@ def refuse_unseen(about: Subject, result: exact.Reconstruction, ring: exact.Ring
         )
         raise InputError(
             f"no camera sees any part of {about.name} that counts; check that it lies at the focus (it spans "
-            f"{spans} mm; --focus says where the cameras look, and --place auto finds where they should), inside the "
+            f"{spans} mm, and --focus says where the cameras look; --place auto finds where they should), inside the "
             "field of view, with its normals towards the cameras, and that its unit is millimetres "
             f"(--scale){why if back > ALL_BACK else ''}"
         )
