@@ -25,6 +25,9 @@ from exact.whole_numbers import is_whole
 
 # A larger ring angle [rad] is damage: its rounding alone would move a camera.
 LARGEST_ANGLE = 1e6
+# A direction that differs by less than this [rad] from the axis is along it: written with a few digits, it has no
+# direction across.
+ALONG = 1e-6
 # On one ring. Wachter 2021 takes 360 for all there is to see; tables of pairs of cameras grow with the square.
 MOST_CAMERAS = 10_000
 
@@ -45,13 +48,16 @@ class Ring:
     focus : (3,) tuple of float
         The point all cameras look at [mm].
     axis : (3,) tuple of float
-        Direction from the focus to the ring's centre. Ring angle 0 lies towards +x, or, for an axis that is not
-        +z, where the shortest rotation that takes +z to the axis carries +x.
+        Direction from the focus to the ring's centre.
+    zero_towards : (3,) tuple of float, optional
+        Direction in which ring angle 0 lies, as far as it is across the axis. Unless given, +x, or, for an axis that is
+        not +z, where the shortest rotation that takes +z to the axis carries +x.
 
     Raises
     ------
     ExactError
-        If a length is not positive, one is shorter than 1e-9 or longer than 1e9 mm, or a vector is not finite.
+        If a length is not positive, one is shorter than 1e-9 or longer than 1e9 mm, a vector is not finite, or
+        `zero_towards` is along the axis.
 
     Examples
     --------
@@ -68,6 +74,7 @@ class Ring:
     fov: tuple[float, float] = (36.0, 24.0)
     focus: tuple[float, float, float] = (0.0, 0.0, 0.0)
     axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    zero_towards: tuple[float, float, float] | None = None
     _frame: np.ndarray = field(init=False, repr=False, compare=False)
 
     def __post_init__(self):
@@ -86,9 +93,20 @@ class Ring:
         if not axis.any():
             raise ExactError("ring axis is the zero vector; give the direction from the focus to the ring")
         put("axis", tuple(axis.tolist()))
-        if not SHORTEST <= np.linalg.norm(axis) <= LONGEST:
-            axis = axis / np.abs(axis).max()  # its square may have overflowed or vanished
-        put("_frame", _rotation_from_z(axis / np.linalg.norm(axis)))
+        unit = _unit(axis)
+        if self.zero_towards is None:
+            put("_frame", _rotation_from_z(unit))
+            return
+        towards = finite_vector("zero_towards", self.zero_towards, 3)
+        put("zero_towards", tuple(towards.tolist()))
+        across = _unit(towards) - (_unit(towards) @ unit) * unit
+        if np.linalg.norm(across) < ALONG:
+            raise ExactError(
+                f"zero_towards is {self.zero_towards}, which lies along the ring axis {self.axis}; give a direction "
+                "across it"
+            )
+        zero = _unit(across)
+        put("_frame", np.column_stack([zero, np.cross(unit, zero), unit]))
 
     @property
     def frame(self) -> np.ndarray:
@@ -212,6 +230,15 @@ def _checked_angles(angles) -> np.ndarray:
             f"{LARGEST_ANGLE:g}"
         )
     return theta
+
+
+def _unit(vector: np.ndarray) -> np.ndarray:
+    """The unit vector (3,) along one that is not 0."""
+    vector = np.asarray(vector)
+    if not SHORTEST <= np.linalg.norm(vector) <= LONGEST:
+        vector = vector / max(np.abs(vector).max(), np.finfo(float).tiny)  # its square may have overflowed or vanished
+    length = np.linalg.norm(vector)
+    return vector / length if length > 0 else vector
 
 
 def _rotation_from_z(direction: np.ndarray) -> np.ndarray:

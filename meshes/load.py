@@ -22,10 +22,13 @@ from meshes.formats.triangles import triangles_of
 
 READERS = {".stl": read_stl, ".obj": read_obj, ".ply": read_ply, ".off": read_off}
 
-# Largest extents [mm] outside of which a mesh is more likely in another unit, with that unit's name and its factor to
-# millimetres. Nothing that a ring of cameras looks at is below a millimetre or above ten metres.
-LEAST_EXTENT, LIKELY_IF_LESS = 1.0, ("metres", 1000.0)
-MOST_EXTENT, LIKELY_IF_MORE = 10_000.0, ("micrometres", 0.001)
+# Largest extents [mm] outside of which a mesh is more likely in another unit. Nothing that a ring of cameras looks at
+# is below a millimetre or above ten metres.
+LEAST_EXTENT, MOST_EXTENT = 1.0, 10_000.0
+# Units that meshes come in, the likeliest first, with their factors to millimetres; and the largest extents [mm] of
+# what a ring of cameras mostly looks at.
+UNITS = {"metres": 1000.0, "centimetres": 10.0, "inches": 25.4, "micrometres": 0.001}
+LEAST_USUAL, MOST_USUAL = 8.0, 600.0
 
 # First bytes of what is most often renamed or downloaded by mistake.
 MAGIC = {
@@ -130,11 +133,26 @@ def unit_hint(extent: float, scale: float = 1.0) -> str | None:
     """What the largest side of a mesh [mm] says against millimetres, if anything."""
     if LEAST_EXTENT <= extent <= MOST_EXTENT:
         return None
-    unit, factor = LIKELY_IF_LESS if extent < LEAST_EXTENT else LIKELY_IF_MORE
+    likely = other_units(extent)
+    unit = likely[0] if likely else "metres" if extent < LEAST_EXTENT else "micrometres"
+    factor = UNITS[unit]
     return (
         f"the largest side is {extent:.3g} mm, so its unit is probably {unit}; load it with scale={scale * factor:g} "
         f"(--scale {scale * factor:g} at the command line) if that is so"
     )
+
+
+def other_units(extent: float) -> list[str]:
+    """Units in which a mesh would be as large as what is mostly looked at, if in millimetres [mm] it is not.
+
+    Examples
+    --------
+    >>> other_units(0.05), other_units(3.0), other_units(50.0)
+    (['metres'], ['centimetres', 'inches'], [])
+    """
+    if LEAST_USUAL <= extent <= MOST_USUAL:
+        return []
+    return [unit for unit, factor in UNITS.items() if LEAST_USUAL <= extent * factor <= MOST_USUAL]
 
 
 def _read(path: Path) -> bytes:

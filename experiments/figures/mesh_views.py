@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import trimesh
+from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
@@ -27,7 +28,7 @@ def write_views(path: Path, name: str, mesh: trimesh.Trimesh, ring: exact.Ring) 
     views = (("from the cameras", away, up), ("at a slant", slant, away), ("from ring angle 0°", across, away),
              ("from ring angle 270°", -up, away))  # fmt: skip
     for axes, (title, towards, upwards) in zip(figure.subplots(2, 2).flat, views, strict=True):
-        _draw(axes, mesh, towards, upwards, ring)
+        draw_mesh(axes, mesh, towards, upwards, ring)
         axes.set_title(title, fontsize=10)
     marks = [Patch(color=FRONT, label="front"), Patch(color=BACK, label="back"), Patch(color=BORDER, label="border"),
              Patch(color=CROWDED, label="edge of more than two faces")]  # fmt: skip
@@ -36,7 +37,13 @@ def write_views(path: Path, name: str, mesh: trimesh.Trimesh, ring: exact.Ring) 
         figure.savefig(temporary, format="png", dpi=110)
 
 
-def _draw(axes, mesh: trimesh.Trimesh, towards: np.ndarray, upwards: np.ndarray, ring: exact.Ring) -> None:
+def draw_mesh(
+    axes: Axes, mesh: trimesh.Trimesh, towards: np.ndarray, upwards: np.ndarray, ring: exact.Ring
+) -> np.ndarray:
+    """Draw a mesh as it looks from a direction, and the focus of the ring; give the frame of the picture.
+
+    Its columns, (3, 3), are unit vectors to the right, upwards, and towards who looks.
+    """
     towards = towards / np.linalg.norm(towards)
     right = np.cross(upwards, towards)
     right /= np.linalg.norm(right)
@@ -61,3 +68,4 @@ def _draw(axes, mesh: trimesh.Trimesh, towards: np.ndarray, upwards: np.ndarray,
     axes.set_aspect("equal")
     axes.autoscale_view()
     axes.tick_params(labelsize=8)
+    return frame

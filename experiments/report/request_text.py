@@ -48,6 +48,8 @@ def asked(made: LayoutFile) -> list[tuple[str, str]]:
         rows.append(("given up for accuracy", f"at most {100 * content['give_up']:g} % of the ring maximum"))
     if tuple(ring.axis) != (0.0, 0.0, 1.0):
         rows.append(("ring's axis", _vector(ring.axis)))
+    if ring.zero_towards is not None:
+        rows.append(("ring angle 0 lies towards", _vector(ring.zero_towards)))
     if limits["fixed"]:
         rows.append(("fixed cameras", ", ".join(f"{angle:g}°" for angle in _degrees(limits["fixed"]))))
     if limits["forbidden"]:
@@ -89,6 +91,7 @@ def rig(made: LayoutFile) -> str:
         "fov": ring.fov,
         "focus": ring.focus,
         "axis": ring.axis,
+        "zero_towards": ring.zero_towards,
         "count": content["n_cameras"],
         **_demanded(made),
         "give_up": content.get("give_up", 0.0),

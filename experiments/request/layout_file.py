@@ -54,6 +54,28 @@ class LayoutFile:
         kept = [self.content.get("mesh"), *(self.content.get("meshes") or ())]
         return {mesh["sha256"]: mesh.get("name", "a mesh") for mesh in kept if mesh and mesh.get("sha256") is not None}
 
+    def moved_to(self, ring: exact.Ring) -> exact.Demand:
+        """What makes a point count once the ring stands elsewhere: depth that is along its axis stays so."""
+        if self.demand.depth_axis != self.ring.axis:
+            return self.demand
+        return replace(self.demand, depth_axis=ring.axis)
+
+    def loaded(self, options: dict[str, Any]) -> dict[str, bool]:
+        """How its mesh, the first of several, was loaded, with what options say otherwise: `repair`, `two_sided`.
+
+        Raises
+        ------
+        InputError
+        """
+        kept = self.content.get("mesh") or {}
+        found = {}
+        for name in ("repair", "two_sided"):
+            value = kept.get(name, False) if options.get(name) is None else options[name]
+            if not isinstance(value, bool):
+                raise InputError(f'{self.path}: "{name}" of its "mesh" is {value!r}; it must be true or false')
+            found[name] = value
+        return found
+
     def refuse_other_mesh(self, mesh: trimesh.Trimesh, name: str, force: bool) -> None:
         """Refuse a mesh that it was not made for, unless it does not say for which, or with `force`.
 

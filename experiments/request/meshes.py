@@ -1,9 +1,9 @@
 """From the words of a command line to meshes, rings and masks."""
 
 import os
-import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import trimesh
@@ -11,9 +11,12 @@ import trimesh
 import exact
 import meshes
 from experiments.files.errors import InputError
-from experiments.request.outlook import places, warnings_about
+from experiments.request import placing
+from experiments.request.outlook import places, unit_words, warnings_about
 from experiments.terminal.console import note
 from experiments.terminal.progress import working
+from meshes.condition import overlapping
+from meshes.load import unit_hint
 
 # Mesh files say nothing about it: the field of view of Wachter 2021 [mm].
 USUAL_FOV = (36.0, 24.0)
@@ -34,6 +37,10 @@ class Subject:
         Field of view recommended for it [mm].
     warnings : tuple of str
         Why an answer about it is likely not what is meant.
+    ring : exact.Ring or None
+        The ring that looks at it, as far as one was given.
+    place : meshes.Place or None
+        What was found, if a place for the ring was looked for.
     """
 
     name: str
@@ -41,15 +48,18 @@ class Subject:
     is_site: bool
     fov: tuple[float, float]
     warnings: tuple[str, ...] = ()
+    ring: exact.Ring | None = None
+    place: meshes.Place | None = None
 
     @property
-    def told(self) -> dict[str, list[str]]:
+    def told(self) -> dict[str, Any]:
         """What is to be known of the mesh, as it stands in results."""
         kept = self.mesh.metadata
         return {
             "notes": list(kept.get("notes", ())),
             "repairs": list(kept.get("repairs", ())),
             "warnings": list(self.warnings),
+            "place": placing.content(self.place),
         }
 
 
@@ -61,6 +71,7 @@ def subject(
     scale: float = 1.0,
     two_sided: bool = False,
     ring: exact.Ring | None = None,
+    place: bool = False,
 ) -> Subject:
     """A mesh file, or a built-in site if there is no such file.
 
@@ -74,13 +85,16 @@ def subject(
         How to load a file: see `meshes.load`. What is odd about it, but no fault, is said on stderr.
     ring : exact.Ring, optional
         From where the surface is looked at.
+    place : bool
+        Look for a place for that ring; where it is is said on stderr.
 
     Raises
     ------
     InputError, meshes.MeshError
     """
     if is_site(name):
-        return _site(name, depth, detail, scale)
+        built = _site(name, depth, detail, scale)
+        return _placed(built, name, *placing.over(built.mesh, ring)) if place and ring else replace(built, ring=ring)
     if depth is not None or detail is not None:
         raise InputError(
             f"--depth and --detail belong to built-in sites, and {name} is not one; "
@@ -91,20 +105,34 @@ def subject(
             f"{name}: neither a file nor a built-in site; give the path of an STL, OBJ, PLY or OFF file, "
             f"or one of {', '.join(meshes.SITES)}"
         )
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always", meshes.MeshWarning)
-        seen_from = None if ring is None else places(ring)
-        mesh = meshes.load(name, repair=repair, scale=scale, two_sided=two_sided, seen_from=seen_from)
-    warned = [str(warning.message) for warning in caught]
+    mesh, found = meshes.read(name, scale), None
+    if place and ring is not None:
+        ring, found = placing.over(placing.before_repair(mesh, repair, name, two_sided), ring)
+    seen_from = None if ring is None else places(ring)
+    mesh = meshes.check(mesh, repair, name, two_sided=two_sided, seen_from=seen_from)
+    # Where a place was found, nothing else says that a mesh is small for the field of view.
+    hint = (unit_hint if found is None else unit_words)(float(mesh.extents.max()), scale)
+    on_top = overlapping.words(
+        overlapping.overlapping(np.asarray(mesh.vertices), np.asarray(mesh.faces)), meshes.file_faces(mesh)[0]
+    )
+    warned = [f"{name}: {words}" for words in (hint, on_top) if words]
     if ring is not None:
         warned += warnings_about(name, mesh, ring)
-    about = Subject(printable(Path(name).name), mesh, False, USUAL_FOV, tuple(warned))
+    about = Subject(printable(Path(name).name), mesh, False, USUAL_FOV, tuple(warned), ring)
+    if found is not None and ring is not None:
+        about = _placed(about, name, ring, found)
     for kind, words in (("note", about.told["notes"]), ("repaired", about.told["repairs"])):
         if words:
             note(f"{kind}: {name}: {'; '.join(words)}")
     for words in about.warnings:
         note(f"warning: {words}")
     return about
+
+
+def _placed(about: Subject, name: str, ring: exact.Ring, place: meshes.Place) -> Subject:
+    """The same under a ring for which a place was found, which is said."""
+    note(f"placed: {name}: {placing.words(place)}")
+    return replace(about, ring=ring, place=place)
 
 
 def printable(name: str) -> str:
@@ -156,16 +184,17 @@ def exclusion(about: Subject, choice: str | None) -> Exclusion:
     Parameters
     ----------
     choice : str or None
-        "top" for the top surface, "none", or the path of a text file with one face index per line (from 0). These
-        count the faces of the mesh's file, whatever a repair removed. None stands for "top" at built-in sites, whose
-        top surface is covered by drapes, and for "none" elsewhere.
+        "top" for the top surface, which lies highest along the ring's axis where a place was found for it, "none", or
+        the path of a text file with one face index per line (from 0). These count the faces of the mesh's file,
+        whatever a repair removed. None stands for "top" at built-in sites, whose top surface is covered by drapes, and
+        for "none" elsewhere.
     """
     mesh = about.mesh
     choice = ("top" if about.is_site else "none") if choice is None else choice
     if choice == "none":
         return Exclusion(np.zeros(len(mesh.faces), dtype=bool), "nothing")
     if choice == "top":
-        mask = meshes.top_surface(mesh)
+        mask = meshes.top_surface(mesh, about.place.axis if about.place and not about.is_site else None)
         return Exclusion(mask, f"the top surface, {mesh.area_faces[mask].sum():.2f} mm²")
     try:
         lines = Path(choice).read_text(encoding="utf-8").split()

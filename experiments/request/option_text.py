@@ -5,6 +5,9 @@ import re
 
 from experiments.files.errors import InputError
 
+# Options of three numbers that are directions, whose length says nothing.
+DIRECTIONS = ("--axis", "--zero-towards", "--depth-axis")
+
 
 def parse_fov(text: str, option: str = "--fov") -> tuple[float, float]:
     """Width x height in millimetres.
@@ -71,7 +74,8 @@ def parse_vector(text: str, option: str = "--focus") -> tuple[float, float, floa
     except ValueError:
         x = y = z = math.nan
     if not all(math.isfinite(number) for number in (x, y, z)):
-        raise InputError(f"{option} is {text!r}; it must be three numbers x,y,z in millimetres, as in 310,-120,8.5")
+        unit, example = ("", "0,-0.2,1") if option in DIRECTIONS else (" in millimetres", "310,-120,8.5")
+        raise InputError(f"{option} is {text!r}; it must be three numbers x,y,z{unit}, as in {example}")
     return x, y, z
 
 

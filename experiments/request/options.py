@@ -130,6 +130,7 @@ SAID_OTHERWISE: dict[str, dict[str, Any]] = {
     "depth_axis": {"unless_given": "the axis of the ring"},
     "depth_of_field": {"kind": RANGE},
     "focus_distance": {"unless_given": "that of the focus"},
+    "zero_towards": {"unless_given": "+x, turned with the axis"},
 }
 BESIDE_CLASSES = (
     Option("count", "cameras", WHOLE, 4, "Number of cameras.", option="cameras"),
@@ -148,6 +149,12 @@ BESIDE_CLASSES = (
     ),
     Option("repair", "mesh", FLAG, False, "Whether to put right what can be: mixed winding, surfaces that look away."),
     Option("two_sided", "mesh", FLAG, False, "Whether each face counts from whichever side it is seen, as of a sheet."),
+    Option(
+        "place", "mesh", WORD, "none",
+        "Where the ring stands: none for where focus and axis say; auto for over the opening of the mesh, or the side "
+        "of which most is seen, wherever it lies, which says in numbers what focus, axis and zero_towards that is.",
+        choices=("auto", "none"),
+    ),
     Option("scale", "mesh", NUMBER, 1.0, "Factor from the mesh file's unit to millimetres: 1000 for metres."),
     Option(
         "obstacle", "mesh", FILES, None,

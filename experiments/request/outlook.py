@@ -9,6 +9,7 @@ import exact
 from meshes.condition.facing import Cone, Facing, facing
 from meshes.condition.neighbours import bodies
 from meshes.condition.winding import inwards
+from meshes.load import UNITS, other_units, unit_hint
 
 # Cameras from which the surface is looked at, whatever layout it is for.
 PLACES = 8
@@ -94,6 +95,18 @@ def warnings_about(name: str, mesh: trimesh.Trimesh, ring: exact.Ring) -> list[s
     if 0 < found.in_view < IN_VIEW:
         said.append(
             f"{name}: {100 * found.in_view:.1g} % of its surface is in view; if that is not meant, check its place "
-            "(--focus) and its unit (--scale)"
+            "(--focus and --axis, or --place auto, which finds them) and its unit (--scale)"
         )
     return said
+
+
+def unit_words(extent: float, scale: float) -> str | None:
+    """What the largest side [mm] says against millimetres, if anything."""
+    likely = ", ".join(
+        f"in {unit} it would be {extent * UNITS[unit]:.3g} mm (--scale {scale * UNITS[unit]:g})"
+        for unit in other_units(extent)
+    )
+    hint = unit_hint(extent, scale)
+    if likely and hint is None:
+        return f"the largest side is {extent:.3g} mm; {likely}"
+    return hint

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import exact
+import meshes
 import placement
 from experiments.files.errors import InputError
 from experiments.files.ring_maximum_cache import RememberedAreas
@@ -112,7 +113,7 @@ def request(
     """What a command is about: these meshes or sites under the ring of `rig` (see `rig_file.rig`).
 
     `depth` is for sites that do not say theirs, as circ_flat@50 does. `ring` is one that goes before that of `rig`,
-    such as that of a layout.
+    such as that of a layout; the ring of what is given back stands in the place that was found, if one was looked for.
 
     Raises
     ------
@@ -132,12 +133,21 @@ def request(
         raise InputError(
             f"--exclude is {rig.exclude!r}, face indices of one mesh, and there are {len(names)}; give top or none"
         )
-    subjects = _subjects(names, depth, detail, rig, rig.ring(USUAL_FOV) if ring is None else ring)
+    place = rig.place == "auto"
+    if place and len(names) > 1:
+        raise InputError(
+            f"--place auto finds a place over one mesh, and there are {len(names)}; find it for one, as camring check "
+            "does, and give its --focus and --axis for all"
+        )
+    likely_fov = meshes.SITES[names[0].partition("@")[0]].fov if place and is_site(names[0]) else USUAL_FOV
+    subjects = _subjects(names, depth, detail, rig, rig.ring(likely_fov) if ring is None else ring, place)
     excluded = tuple(exclusion(about, rig.exclude) for about in subjects)
     fovs = dict.fromkeys(about.fov for about in subjects)
     if ring is None and rig.fov is None and len(fovs) > 1:
         wanted = " and ".join(f"{width:g}x{height:g}" for width, height in fovs)
         raise InputError(f"these meshes are meant for fields of view of {wanted} mm; say which with --fov")
+    if place:
+        ring = subjects[0].ring
     ring = rig.ring(subjects[0].fov) if ring is None else ring
     poses = []
     obstacles = tuple(subject(name, None, None, rig.repair, rig.scale).mesh for name in rig.obstacle or ())
@@ -151,7 +161,7 @@ def request(
 
 
 def _subjects(
-    names: Sequence[str], depth: float | None, detail: str | None, rig: Rig, ring: exact.Ring
+    names: Sequence[str], depth: float | None, detail: str | None, rig: Rig, ring: exact.Ring, place: bool
 ) -> tuple[Subject, ...]:
     """Each mesh; of files and sites together, each with what belongs to its kind."""
     files = [name for name in names if not is_site(name)]
@@ -160,8 +170,9 @@ def _subjects(
     for name in names:
         if name in files:
             kept = (depth, detail) if len(files) == len(names) else (None, None)
-            found.append(subject(name, *kept, rig.repair, rig.scale, rig.two_sided, ring))
+            found.append(subject(name, *kept, rig.repair, rig.scale, rig.two_sided, ring, place))
         else:
             own = None if "@" in name and undecided else depth
-            found.append(subject(name, own, detail, rig.repair, 1.0 if files else rig.scale))
+            scale = 1.0 if files else rig.scale
+            found.append(subject(name, own, detail, rig.repair, scale, ring=ring, place=place))
     return tuple(found)

@@ -16,6 +16,9 @@ from exact import demand
 from experiments.files.errors import InputError
 from experiments.request.options import PARTS, Option, fields_of, keys, sections
 
+# What --place auto finds.
+PLACED = ("focus", "axis", "zero_towards")
+
 Sections = dict[str, dict[str, Option]]
 
 
@@ -31,6 +34,10 @@ class Rig:
         Field of view [mm]; None for the one recommended for the site.
     focus, axis : (float, float, float)
         The point all cameras look at [mm], and the direction from it to the ring's centre.
+    zero_towards : (float, float, float) or None
+        Where ring angle 0 lies.
+    place : str
+        "none" for what focus and axis say, "auto" for one that is found for the mesh.
     n_cameras : int
         Number of cameras.
     demand : exact.Demand
@@ -67,6 +74,8 @@ class Rig:
     fov: tuple[float, float] | None
     focus: tuple[float, float, float]
     axis: tuple[float, float, float]
+    zero_towards: tuple[float, float, float] | None
+    place: str
     n_cameras: int
     demand: exact.Demand
     constraints: placement.Constraints
@@ -96,7 +105,7 @@ class Rig:
         20.0
         """
         fov = recommended_fov if self.fov is None else self.fov
-        return exact.Ring(self.diameter, self.working_distance, fov, self.focus, self.axis)
+        return exact.Ring(self.diameter, self.working_distance, fov, self.focus, self.axis, self.zero_towards)
 
 
 def rig(path: Path | None = None, **options: Any) -> Rig:
@@ -126,6 +135,7 @@ def rig(path: Path | None = None, **options: Any) -> Rig:
     if path is not None:
         values |= read(path)
     values |= _understood(options)
+    values["place"] = checked_place(options, values["place"])
     constraints = placement.Constraints(**fields_of("Constraints", values))
     return Rig(
         **fields_of("Ring", values),
@@ -139,6 +149,28 @@ def rig(path: Path | None = None, **options: Any) -> Rig:
             if not key.classes and key.section in ("search", "mesh", "sites", "poses")
         },
     )
+
+
+def checked_place(options: Mapping[str, Any], otherwise: str = "none") -> str:
+    """Whether a place is to be looked for, "auto" or "none"; refused if it is no such word, or options give one too.
+
+    Raises
+    ------
+    InputError
+
+    Examples
+    --------
+    >>> checked_place({"place": None, "focus": "1,2,3"}), checked_place({"place": "auto"})
+    ('none', 'auto')
+    """
+    known, place = keys(), options.get("place")
+    place = otherwise if place is None else place
+    if place not in known["place"].choices:
+        raise InputError(f"--place is {place!r}; it must be {' or '.join(known['place'].choices)}")
+    given = [known[name].flag for name in PLACED if options.get(name) is not None]
+    if place == "auto" and given:
+        raise InputError(f"--place auto finds what {given[0]} gives; leave one of them out, or give --place none")
+    return place
 
 
 def overridden(asked: exact.Demand, options: Mapping[str, Any]) -> exact.Demand:

@@ -103,11 +103,7 @@ def sides(
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     areas = 0.5 * np.linalg.norm(normals, axis=1)
     total = np.bincount(part, weights=areas)
-    face, worth = _points(areas, part, total, n_points)
-    random = np.random.default_rng(0).random((2, len(face)))
-    u, v = np.where(random.sum(axis=0) > 1, 1 - random, random)
-    a, b, c = corners[face].transpose(1, 0, 2)
-    points = a + u[:, None] * (b - a) + v[:, None] * (c - a)
+    face, worth, points = spread(corners, areas, part, n_points)
     inside = np.ones(len(face), dtype=bool) if view is None else view.holds(points)
     _, kind = distinct_rows(np.sort(faces, axis=1))
     both_ways = (np.bincount(kind) > 1)[kind]
@@ -128,8 +124,24 @@ def sides(
     return np.array(front), np.array(back), total
 
 
-def _points(areas: np.ndarray, part: np.ndarray, total: np.ndarray, n_points: int) -> tuple[np.ndarray, np.ndarray]:
-    """The face of each point, and the area that it stands for: evenly over each part, more on the larger."""
+def spread(
+    corners: np.ndarray, areas: np.ndarray, part: np.ndarray, n_points: int
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Points evenly over each part of a surface, more on the larger; the same ones each time.
+
+    Parameters
+    ----------
+    corners, areas, part : (F, 3, 3) [mm], (F,) [mm²], (F,) int
+        Of each face its corners, its area, and the part that it belongs to, from 0.
+    n_points : int
+        About so many in all.
+
+    Returns
+    -------
+    (N,) int, (N,) [mm²], (N, 3) [mm]
+        Of each point its face, the area that it stands for, and where it is.
+    """
+    total = np.bincount(part, weights=areas)
     wanted = np.maximum(np.ceil(n_points * total / max(total.sum(), np.finfo(float).tiny)), LEAST_POINTS).astype(int)
     wanted[total <= 0] = 0
     order = np.argsort(part, kind="stable")
@@ -139,4 +151,8 @@ def _points(areas: np.ndarray, part: np.ndarray, total: np.ndarray, n_points: in
         first[one] + total[one] * (np.arange(number) + 0.5) / number for one, number in enumerate(wanted) if number
     )])  # fmt: skip
     face = order[np.minimum(np.searchsorted(along, at), len(order) - 1)]
-    return face, (total / np.maximum(wanted, 1))[part[face]]
+    random = np.random.default_rng(0).random((2, len(face)))
+    u, v = np.where(random.sum(axis=0) > 1, 1 - random, random)
+    a, b, c = corners[face].transpose(1, 0, 2)
+    points = a + u[:, None] * (b - a) + v[:, None] * (c - a)
+    return face, (total / np.maximum(wanted, 1))[part[face]], points

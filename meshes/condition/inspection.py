@@ -12,6 +12,7 @@ from meshes.condition.facing import facing
 from meshes.condition.mending import mended
 from meshes.condition.neighbours import bodies
 from meshes.condition.opening import opening
+from meshes.condition.overlapping import overlapping, words
 from meshes.condition.winding import halves
 from meshes.errors import MeshError
 
@@ -42,6 +43,10 @@ class Inspection:
         Whether a body cannot be wound alike.
     n_inside_out : int
         Closed bodies that are inside-out; 0 where winding is mixed.
+    n_overlapping : int
+        Faces that lie on top of others that look the same way, and have other corners.
+    overlapping : str
+        How many they are, one of them, where it is, and what that means; empty without any.
     opening : (float, float, float) or None
         Direction in which it opens: from where most of its hollows is seen, or, if it has none, most of its front; None
         for a convex body.
@@ -68,6 +73,8 @@ class Inspection:
     n_mixed: int
     one_sided: bool
     n_inside_out: int
+    n_overlapping: int
+    overlapping: str
     opening: tuple[float, ...] | None
     back_share: float | None
     notes: tuple[str, ...]
@@ -122,6 +129,7 @@ def inspect(mesh: trimesh.Trimesh, name: str = "mesh", *, seen_from: ArrayLike |
     used = vertices[np.unique(faces)]
     corners = vertices[faces]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    on_top = overlapping(vertices, faces)
     usable = mesh if repaired is None else repaired
     return Inspection(
         n_faces=len(faces),
@@ -137,6 +145,8 @@ def inspect(mesh: trimesh.Trimesh, name: str = "mesh", *, seen_from: ArrayLike |
         n_mixed=int((~alike).sum()),
         one_sided=bool(halves(faces, pairs, alike)[2].any()),
         n_inside_out=int(inside_out(vertices, faces)[2].sum()) if alike.all() else 0,
+        n_overlapping=len(on_top.pairs),
+        overlapping=words(on_top, found.number) or "",
         opening=opening(np.asarray(usable.vertices), np.asarray(usable.faces)),
         back_share=None if seen_from is None else facing(vertices, faces, body, np.asarray(seen_from)).back_share,
         notes=tuple(found.notes),

@@ -21,7 +21,8 @@ def scan(tmp_path):
 def test_table_and_picture(camring, scan, tmp_path):
     status, out, err = camring("check", scan, "--out", tmp_path / "scan.png")
     words = " ".join(out.replace("│", " ").split())
-    assert status == 0 and "20 x 20 x 10 mm" in words and "289 faces in the file" in words
+    assert status == 2 and "camring: " in err and "wound in opposite senses" in err
+    assert "20 x 20 x 10 mm" in words and "289 faces in the file" in words
     assert "mixed: " in words and "+z" in words and "left out 1 face of zero area" in words
     assert "faces round to wind all alike" in words and "--repair winds them alike" in words
     with Image.open(tmp_path / "scan.png") as picture:
@@ -31,7 +32,7 @@ def test_table_and_picture(camring, scan, tmp_path):
 def test_json(camring, scan):
     status, out, _ = camring("check", scan, "--json")
     found = json.loads(out)
-    assert status == 0 and found["n_mixed"] > 0 and found["watertight"] and found["n_bodies"] == 1
+    assert status == 2 and found["n_mixed"] > 0 and found["watertight"] and found["n_bodies"] == 1
     assert found["opening"] == pytest.approx([0, 0, 1], abs=0.1)
     assert "repair=True" not in found["refused"] and found["unit"] is None
 
@@ -45,10 +46,19 @@ def test_an_open_sheet_opens_to_its_front():
     assert found.n_border_edges == 48 and not found.watertight
 
 
-def test_a_mesh_in_metres(camring, tmp_path):
+@pytest.mark.parametrize("factor, units", [
+    (0.001, ["metres", "--scale 1000"]),
+    (0.1, ["centimetres it would be 20 mm (--scale 10)", "inches it would be 50.8 mm (--scale 25.4)"]),
+    (1 / 25.4, ["inches", "--scale 25.4"]),
+    (1000.0, ["micrometres", "--scale 0.001"]),
+])  # fmt: skip
+def test_a_mesh_in_another_unit(camring, tmp_path, factor, units):
     mesh = bowl()
-    mesh.apply_scale(0.001).export(tmp_path / "scan.stl")
-    assert "metres" in json.loads(camring("check", tmp_path / "scan.stl", "--json")[1])["unit"]
+    mesh.apply_scale(factor).export(tmp_path / "scan.stl")
+    status, out, _ = camring("check", tmp_path / "scan.stl", "--json")
+    found = json.loads(out)
+    assert status == 0 and all(words in found["unit"] for words in units)
+    assert "used as it is" in camring("check", tmp_path / "scan.stl")[1]
 
 
 @pytest.mark.parametrize("name", ["circ_artery", "none.stl"])

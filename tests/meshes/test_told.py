@@ -4,9 +4,11 @@ import json
 
 import numpy as np
 import pytest
+import shapely
 import trimesh
 
 import meshes
+from meshes.condition.overlapping import overlapping
 from tests.meshes.defects import bowl, mesh_of, sheet
 
 
@@ -47,6 +49,10 @@ def test_what_a_repair_did(camring, tmp_path, quick_search):
     layout = json.loads((out / "layout.json").read_text(encoding="utf-8"))
     for one in (layout["mesh"], *layout["meshes"]):
         assert one["repairs"] == ["turned 1 body outside-out"] and one["repair"] and not one["two_sided"]
+    # What reads the layout repairs the mesh as it was.
+    assert camring("report", out, "--mesh", path, "--out", tmp_path / "page")[0] == 0
+    glb = ("export", out / "layout.json", "--format", "glb", "--mesh", path, "--out", tmp_path / "glb")
+    assert camring(*glb)[0] == 0 and camring(*glb, "--force", "--no-repair")[0] == 2
     status, out_text, _ = camring("evaluate", path, "--layout", out / "layout.json", "--repair", "--json")
     assert status == 0 and json.loads(out_text)["area_mm2"] == pytest.approx(layout["areas_mm2"]["optimised"])
 
@@ -99,6 +105,46 @@ def test_little_in_view(camring, tmp_path):
     status, found, err = evaluated(camring, saved(tmp_path, wide))
     (warning,) = found["mesh"]["warnings"]
     assert status == 0 and "of its surface is in view" in warning and "--scale" in warning and warning in err
+
+
+def test_faces_on_top_of_others(camring, tmp_path):
+    """Two bodies that are flush count twice where both are; what touches another, or looks the other way, does not."""
+    low = trimesh.creation.box(bounds=[[-5, -5, -3], [3, 5, 0]])
+    high = trimesh.creation.box(bounds=[[-2, -4, -4], [6, 4, 0]])
+    path = saved(tmp_path, trimesh.util.concatenate([low, high]))
+    status, found, err = evaluated(camring, path)
+    (warning,) = found["mesh"]["warnings"]
+    assert status == 0 and "lie on top of others" in warning and "z 0 mm" in warning and warning in err
+    assert found["area_mm2"] == pytest.approx(80 + 64)  # of 104
+    status, out, _ = camring("check", path, "--json")
+    content = json.loads(out)
+    assert status == 0 and content["n_overlapping"] >= 2 and content["overlapping"] in warning
+    assert "lie on top of others" in " ".join(camring("check", path)[1].replace("│", " ").split())
+    high.apply_translation((0, 0, 4))
+    assert not meshes.inspect(trimesh.util.concatenate([low, high])).overlapping
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_which_faces_lie_on_top_of_others(seed):
+    """Triangles in two planes that cut each other, against the areas that polygons share."""
+    rng = np.random.default_rng(seed)
+    flat = rng.uniform(-10, 10, (30, 3, 2))
+    turned = np.linalg.det(np.stack([flat[:, 1] - flat[:, 0], flat[:, 2] - flat[:, 0]], axis=1)) < 0
+    flat[turned] = flat[turned, ::-1]
+    flat[::4] = flat[::4, ::-1]  # these look the other way
+    plane = np.arange(30) % 2
+    points = np.concatenate([flat, np.where(plane, 0.0, 3.0)[:, None, None] * np.ones((30, 3, 1))], axis=2)
+    mesh = mesh_of(points.reshape(-1, 3), np.arange(90).reshape(-1, 3))
+    mesh.apply_transform(trimesh.transformations.random_rotation_matrix(rng.random(3)))
+    kind = 2 * plane + (np.arange(30) % 4 == 0)
+    shapes = shapely.polygons(flat)
+    shared = shapely.area(shapely.intersection(shapes[:, None], shapes[None])) * (kind[:, None] == kind[None])
+    np.fill_diagonal(shared, 0.0)
+    found = overlapping(mesh.vertices, mesh.faces)
+    assert (shared[found.pairs[:, 0], found.pairs[:, 1]] > 0).all()
+    # Of each pair that shares much, one at least is found on another.
+    much = np.argwhere(shared > 0.3 * np.minimum(*np.meshgrid(shapely.area(shapes), shapely.area(shapes))))
+    assert len(much) and all(np.isin(pair, found.pairs).any() for pair in much)
 
 
 def test_a_sheet_with_both_sides_whatever_their_order(tmp_path):

@@ -7,12 +7,12 @@ from typing import Any
 import exact
 import placement
 from experiments.cli.commands.evaluate import refuse_unseen
+from experiments.cli.results_folder import results_folder
 from experiments.figures.coverage import Panel, write_coverage
 from experiments.files.errors import InputError
-from experiments.files.whole import output_folder
 from experiments.request import layout_file
 from experiments.request.meshes import exclusion, subject
-from experiments.request.rig import overridden
+from experiments.request.rig import checked_place, overridden
 from experiments.tables import layouts as layout_table
 from experiments.terminal.console import note, print_json, terminal
 from experiments.terminal.progress import progress_bar
@@ -46,16 +46,21 @@ def run(
             )
     # One demand for all, or their areas would not compare: of baselines the strictest that any of them was made for.
     strictest = replace(read[0].demand, min_baseline=max(one.demand.min_baseline for one in read))
-    demand = overridden(strictest, options)
     scale = 1.0 if options["scale"] is None else options["scale"]
-    about = subject(mesh, depth, detail, bool(options["repair"]), scale, bool(options["two_sided"]), read[0].ring)
+    about = subject(
+        mesh, depth, detail, bool(options["repair"]), scale, bool(options["two_sided"]), read[0].ring,
+        place=checked_place(options) == "auto",
+    )  # fmt: skip
+    rig = read[0].ring if about.ring is None else about.ring
     for one in read:
         one.refuse_other_mesh(about.mesh, about.name, force)
+    moved = replace(read[0], demand=strictest).moved_to(rig)
+    demand = overridden(moved, options)
     excluded = exclusion(about, options["exclude"])
     scene = exact.Scene(about.mesh, exclude=excluded.mask)
     if out is not None:
-        output_folder(out, OUTPUTS, force)
-    rig, rows = read[0].ring, []
+        results_folder(out, OUTPUTS, about, force)
+    rows = []
     with progress_bar("scoring exactly", RING_CAMERAS + sum(len(one.angles) for one in read)) as advance:
 
         def evaluated(angles, counted: exact.Demand) -> exact.Reconstruction:

@@ -10,9 +10,10 @@ from rich.table import Table
 
 import placement
 from exact.workers import background
+from experiments.cli.results_folder import results_folder
 from experiments.figures.count import write_count
 from experiments.files.errors import InputError
-from experiments.files.whole import output_folder, written_whole
+from experiments.files.whole import written_whole
 from experiments.request import layout_file
 from experiments.request import rig as rig_file
 from experiments.request.request import Request, request
@@ -46,7 +47,7 @@ def run(
     if max_cameras < fewest:
         raise InputError(f"--max-cameras is {max_cameras}; it must be at least {fewest} for this request")
     asked.check_cameras(fewest)
-    output_folder(out, OUTPUTS, force)
+    results_folder(out, OUTPUTS, asked.subjects[0], force)
     for name in OUTPUTS:
         (out / name).unlink(missing_ok=True)  # of an earlier run, it would pass for this one's if this one stops
     counts: list[placement.CountResult] = []

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 import exact
+from experiments.cli.results_folder import results_folder
 from experiments.files.errors import InputError
 from experiments.files.whole import image_names, output_folder
 from experiments.request import layout_file
@@ -29,7 +30,7 @@ UNSEEN = 1e-12
 ALL_BACK = 0.5
 # Cameras nearer to each other than this [mm] are in one place: less than any mount moves.
 SAME_PLACE = 1e-3
-RING_OPTIONS = ("fov", "diameter", "working_distance", "focus")
+RING_OPTIONS = ("fov", "diameter", "working_distance", "focus", "axis", "zero_towards")
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +67,8 @@ def run(
         )
     if layout is not None and (rig_path is not None or any(options[name] is not None for name in RING_OPTIONS)):
         raise InputError(
-            "a layout brings its own ring; leave --rig, --fov, --diameter, --working-distance and --focus out"
+            "a layout brings its own ring; leave --rig, --fov, --diameter, --working-distance, --focus, --axis and "
+            "--zero-towards out; --place auto moves it over the mesh"
         )
     # One mesh as it is: what a rig file says of several and of poses is for layouts that serve them all.
     rig = replace(rig_file.rig(rig_path, **options), jitter=1, site_weights=None)
@@ -74,14 +76,14 @@ def run(
     asked = request([mesh], depth, detail, rig, None if made is None else made.ring)
     if made is not None:
         made.refuse_other_mesh(asked.subjects[0].mesh, asked.name, force)
-        cameras = _Cameras(made.ring, made.angles, overridden(made.demand, options))
+        cameras = _Cameras(asked.ring, made.angles, overridden(made.moved_to(asked.ring), options))
     else:
         listed = angles_deg is not None
         angles = np.radians(parse_angles(angles_deg)) if listed else asked.ring.equidistant(asked.rig.n_cameras)
         cameras = _Cameras(asked.ring, angles, asked.demand)
     _warn_of_one_place(cameras)
     if out is not None:
-        output_folder(out, OUTPUTS, force)
+        results_folder(out, OUTPUTS, asked.subjects[0], force)
     if images is not None:
         output_folder(images, image_names(len(cameras.angles)), force)
     result, content = _evaluate(asked, cameras, with_maximum=target is not None)
@@ -183,8 +185,9 @@ def refuse_unseen(about: Subject, result: exact.Reconstruction, ring: exact.Ring
         )
         raise InputError(
             f"no camera sees any part of {about.name} that counts; check that it lies at the focus (it spans "
-            f"{spans} mm, and --focus says where the cameras look), inside the field of view, with its normals towards "
-            f"the cameras, and that its unit is millimetres (--scale){why if back > ALL_BACK else ''}"
+            f"{spans} mm, and --focus says where the cameras look; --place auto finds where they should), inside the "
+            "field of view, with its normals towards the cameras, and that its unit is millimetres "
+            f"(--scale){why if back > ALL_BACK else ''}"
         )
 
 

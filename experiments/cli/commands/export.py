@@ -70,7 +70,7 @@ def _site(
     force: bool,
 ) -> Subject:
     scale = 1.0 if mesh in meshes.SITES else _scale(made)
-    site = subject(mesh, depth, detail, bool(options["repair"]), scale, bool(options["two_sided"]), made.ring)
+    site = subject(mesh, depth, detail, scale=scale, ring=made.ring, **made.loaded(options))
     made.refuse_other_mesh(site.mesh, site.name, force)
     return site
 

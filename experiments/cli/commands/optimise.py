@@ -9,9 +9,9 @@ import numpy as np
 import exact
 import placement
 from exact.workers import available_cores, background, start_processes
+from experiments.cli.results_folder import results_folder
 from experiments.exports import coverage_mesh, formats
 from experiments.exports.cameras import named_cameras
-from experiments.files.whole import output_folder
 from experiments.report import NAME as REPORT
 from experiments.request import layout_file
 from experiments.request import rig as rig_file
@@ -54,7 +54,7 @@ def run(
     asked.check_cameras(asked.rig.n_cameras)
     meshes_too = coverage_mesh.FILES if "mesh" in names else ()
     names = tuple(name for name in names if name in formats.FORMATS)
-    output_folder(out, (*OUTPUTS, *meshes_too, *[REPORT] * with_report), force)
+    results_folder(out, (*OUTPUTS, *meshes_too, *[REPORT] * with_report), asked.subjects[0], force)
     files = formats.prepare(out, names, force)
     background(import_descent)  # while the site is sampled
     with progress_stages() as progress:

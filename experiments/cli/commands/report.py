@@ -58,7 +58,7 @@ def _mesh(made: layout_file.LayoutFile, mesh: str | None, options: dict[str, Any
             )
     else:
         scale = 1.0 if is_site(mesh) else first["scale"]
-        about = subject(mesh, None, None, bool(options["repair"]), scale, bool(options["two_sided"]), made.ring)
+        about = subject(mesh, None, None, scale=scale, ring=made.ring, **made.loaded(options))
     if meshes.fingerprint(about.mesh) != first["sha256"]:
         raise InputError(
             f"{made.path} was made for {first['name']!r}, and {about.name} is not the same mesh; give that one with "

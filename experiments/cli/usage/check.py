@@ -23,7 +23,8 @@ def check(
     """All about a mesh file that matters to an area on it, before anything is computed.
 
     Its size and likely unit, whether it is closed and wound alike, what is mended without being asked and what --repair
-    would do, where it lies, which way it opens, and which side of it the cameras see.
+    would do, where it lies, which way it opens, and which side of it the cameras see. The exit status is 2 if the mesh
+    would be refused without --repair.
 
     Example: camring check scan.stl --out scan.png
     """

@@ -11,6 +11,7 @@ import experiments.cli.options as opt
 @opt.asking(
     "Demand",
     *opt.MESH,
+    "place",
     otherwise={"threshold": "the first layout's", "min_baseline": "the greatest of the layouts'"},
 )
 def compare(

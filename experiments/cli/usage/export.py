@@ -8,7 +8,7 @@ import typer
 import experiments.cli.options as opt
 
 
-@opt.asking("repair", "two_sided")
+@opt.asking("repair", "two_sided", otherwise={"repair": "what layout.json says", "two_sided": "what layout.json says"})
 def export(
     layout: Annotated[Path, typer.Argument(help="layout.json")],
     format: Annotated[

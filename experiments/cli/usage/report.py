@@ -8,7 +8,7 @@ import typer
 import experiments.cli.options as opt
 
 
-@opt.asking("repair", "two_sided")
+@opt.asking("repair", "two_sided", otherwise={"repair": "what layout.json says", "two_sided": "what layout.json says"})
 def report(
     layout: Annotated[Path, typer.Argument(help="folder with a layout.json, or that file")],
     mesh: Annotated[

@@ -1,0 +1,1 @@
+"""What is seen of a surface from where, and from where most is."""

@@ -1,0 +1,1 @@
+"""A place for a ring over meshes that lie anywhere."""
