@@ -33,9 +33,10 @@ class Place:
         Direction in which ring angle 0 lies, across the axis.
     at : str
         What the focus is in the middle of: "the floor of a hollow" or "the surface in view".
-    area, share : float
-        Area that at least two of sixteen places on the ring see of the front [mm²], estimated at points, and as a part
-        of the mesh's.
+    area : float
+        Area that at least two of sixteen places on the ring see of the front [mm²], estimated at points.
+    share : float
+        The same as a part of the mesh's.
     """
 
     focus: tuple[float, float, float]

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from placement.settings import Settings
     from placement.sites import falloff
     from placement.surrogate.surrogate import soft_coverage
-    from placement.tradeoff import TradedLayout, TradeOff
+    from placement.trade_off import TradedLayout, TradeOff
     from placement.triangulation import Triangulation, triangulation
 
 __all__ = [

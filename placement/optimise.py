@@ -14,7 +14,7 @@ from placement.recommend import Recommendation, refuse_target
 from placement.results import Placement
 from placement.search.proposal import GIVE_UP
 from placement.sites import Surfaces
-from placement.tradeoff import TradeOff
+from placement.trade_off import TradeOff
 
 # What a `Problem` takes beside meshes and ring, with its defaults.
 ABOUT = {"settings": None, "seed": 0, "site_weights": None, "objective": "mean", **ASKED}

@@ -24,7 +24,7 @@ from placement.search.scoring import ExactScorer
 from placement.settings import Settings
 from placement.sites import Objective, Sites, Surfaces, checked_sites, scene_keywords
 from placement.surrogate.surrogate import Surrogate
-from placement.tradeoff import TradeOff, trade
+from placement.trade_off import TradeOff, trade
 
 ASKED = {**scene_keywords(), **demand_keywords(), "demand": None}
 

@@ -140,16 +140,16 @@ def test_no_function_takes_a_part_of_a_request_without_the_rest():
 
 
 def test_the_gap_of_a_certificate_is_under_the_baseline_asked_for(wall):
-    found = placement.optimise(wall, RING, 3, settings=QUICK, constraints=Constraints(min_baseline=28.0), give_up=0.0)
-    problem = placement.Problem(wall, RING, settings=QUICK)
-    seen = problem.profiles.at(found.angles)
-    far = RING.separations(found.angles) >= 28.0 * (1 - 1e-9)
+    problem, layout = placement.Problem(wall, RING, settings=QUICK), np.radians([0.0, 60.0, 200.0])
+    certificate = problem.certify(3, Constraints(min_baseline=28.0), layout=layout)
+    seen = problem.profiles.at(layout)
+    far = RING.separations(layout) >= 28.0 * (1 - 1e-9)
     paired = np.array([far[np.ix_(one, one)].any() for one in seen.T])
     counted = float(problem.profiles.weights[(seen.sum(axis=0) >= 2) & paired].sum())
     alone = float(problem.profiles.weights[seen.sum(axis=0) >= 2].sum())
     assert counted < alone
-    assert found.certificate.layout_fraction == pytest.approx(counted, rel=1e-12)
-    assert found.certificate.gap == pytest.approx(found.certificate.bound_fraction - counted, rel=1e-12)
+    assert certificate.layout_fraction == pytest.approx(counted, rel=1e-12)
+    assert certificate.gap == pytest.approx(certificate.bound_fraction - counted, rel=1e-12)
 
 
 def test_a_certificate_compares_like_with_like(wall):

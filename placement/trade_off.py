@@ -38,8 +38,10 @@ class TradedLayout:
         Ring angles [rad], increasing in [0, 2 pi).
     kind : str
         "searched", "equidistant" or "opposite pairs".
-    area, fraction : float
-        Exact reconstructable area [mm²], summed over the sites, and fraction of the ring maximum.
+    area : float
+        Exact reconstructable area [mm²], summed over the sites.
+    fraction : float
+        The same as a fraction of the ring maximum.
     error_rms : float
         Root mean square of the predicted errors over it [mm].
     """
