@@ -1,6 +1,6 @@
 """Area against accuracy: the layouts of which none has both more area and less error."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -11,6 +11,7 @@ from placement.layouts.arcs import LayoutSpace
 from placement.layouts.distinct import canonical, distinct
 from placement.progress import Progress, nothing
 from placement.proof.certificate import certify_samples
+from placement.samples.sampled_coverage import SampledCoverage
 from placement.search.accurate import accurate_layouts
 from placement.search.search import search
 
@@ -18,9 +19,13 @@ if TYPE_CHECKING:
     from placement.problem import Problem
 
 # Coverage given up, in parts of the ring maximum: layouts with the least error are looked for at each of these.
-GIVEN_UP = (0.0005, 0.001, 0.002, 0.003, 0.004, 0.006, 0.008, 0.012, 0.02, 0.03, 0.05, 0.1)
-# Layouts that are scored exactly of each of these, and of the search.
+GIVEN_UP = (0.0005, 0.001, 0.002, 0.003, 0.004, 0.006, 0.008, 0.012, 0.02, 0.03, 0.05, 0.08, 0.12, 0.17, 0.23, 0.3, 0.5)
+# Further such searches where the curve found so far takes its widest steps.
+N_FILLED = 6
+# Leading layouts of the search, which have the most area.
 N_SCORED = 3
+# Layouts are scored exactly that others beat on the samples by no more than this, in area and in parts of the error.
+SLACK = 0.001
 # Layouts with which the search goes on for the next.
 N_LAYOUTS = 6
 # Opposite pairs to compare with, turned against each other in equal steps.
@@ -117,7 +122,6 @@ def trade(
     space: LayoutSpace,
     certify: bool = True,
     progress: Progress | None = None,
-    on_layout: Callable[[TradedLayout], object] | None = None,
 ) -> TradeOff:
     """Trade area for accuracy within `space`; result and errors as for `placement.tradeoff`."""
     report = progress or nothing
@@ -130,14 +134,19 @@ def trade(
         )
     report("searching", 0, 1)
     pool, _ = search(problem, space)
-    found = [("searched", layout) for layout in pool[:N_SCORED]]
-    last: list[np.ndarray] = []
-    for number, given_up in enumerate(GIVEN_UP):
-        report("trading area for accuracy", number, len(GIVEN_UP))
+    searched, last = list(pool[:N_SCORED]), []
+    levels = list(GIVEN_UP)
+    for number in range(len(GIVEN_UP) + N_FILLED):
+        report("trading area for accuracy", number, len(GIVEN_UP) + N_FILLED)
         # What gives up a little less is the best place to start from, after a search of its own for the first.
-        last = accurate_layouts(problem, space, pool, given_up, last)[:N_LAYOUTS]
-        found += [("searched", layout) for layout in last[:N_SCORED]]
-    report("trading area for accuracy", len(GIVEN_UP), len(GIVEN_UP))
+        if number < len(GIVEN_UP):
+            given_up, starts = levels[number], last
+        else:
+            given_up, starts = _widest_step(coverage, searched, coverage.worth(pool[0]))
+        last = accurate_layouts(problem, space, pool, given_up, starts)[:N_LAYOUTS]
+        searched += last
+    report("trading area for accuracy", 1, 1)
+    found = [("searched", searched[i]) for i in _leading(coverage, searched)]
     compared = [(kind, layout) for kind, layout in compared_layouts(space) if space.allows(layout)]
     layouts = found + compared
     bound = None
@@ -164,14 +173,33 @@ def trade(
         traded.append(
             TradedLayout(tuple(theta.tolist()), layouts[i][0], float(sum(areas)), scorer.combined(areas), error)
         )
-        if on_layout is not None:
-            on_layout(traded[-1])
     report("errors", 1, 1)
     return TradeOff(
         undominated([one for one in traded if np.isfinite(one.error_rms)]),
         tuple(one for one in traded if one.kind != "searched"),
         bound,
     )
+
+
+def _leading(coverage: SampledCoverage, layouts: Sequence[np.ndarray]) -> list[int]:
+    """Those that on the samples no other beats clearly both in area and error, greatest area first."""
+    worth = np.array([coverage.worth(layout) for layout in layouts])
+    error = np.array([coverage.error(layout) for layout in layouts])
+    order = np.argsort(-worth, kind="stable").tolist()
+    return [i for i in order if not ((worth > worth[i] + SLACK) & (error < error[i] * (1 - SLACK))).any()]
+
+
+def _widest_step(
+    coverage: SampledCoverage, layouts: Sequence[np.ndarray], most: float
+) -> tuple[float, list[np.ndarray]]:
+    """What to give up of the greatest coverage to end between two layouts of the curve, and those to start from."""
+    curve = [layouts[i] for i in _leading(coverage, layouts)]
+    worth = np.array([coverage.worth(layout) for layout in curve])
+    error = np.log([coverage.error(layout) for layout in curve])
+    steps = (worth[:-1] - worth[1:]) * np.maximum(error[:-1] - error[1:], 0.0)
+    at = int(steps.argmax()) if len(steps) else 0
+    middle = float(worth[at : at + 2].mean())
+    return max(most - middle, 0.0), curve[max(at - 2, 0) : at + 4]
 
 
 def compared_layouts(space: LayoutSpace) -> list[tuple[str, np.ndarray]]:

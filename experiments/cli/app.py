@@ -35,6 +35,7 @@ from experiments.cli.usage import (
     rig,
     site,
     study,
+    tradeoff,
 )
 
 # Objects made before Python looks for cycles among them again. A fifth of the time that imports take goes into looking,
@@ -55,6 +56,7 @@ app = typer.Typer(
 for declared in (
     optimise.optimise,
     count.count,
+    tradeoff.tradeoff,
     evaluate.evaluate,
     compare.compare,
     export.export,

@@ -103,6 +103,8 @@ class Series:
         Whether to fill what is below it.
     marks : bool
         Whether to mark its points.
+    joined : bool
+        Whether to draw a line from each to the next.
     """
 
     label: str
@@ -111,6 +113,7 @@ class Series:
     dash: str = ""
     fill: bool = False
     marks: bool = False
+    joined: bool = True
 
 
 @dataclass(frozen=True)
@@ -145,7 +148,7 @@ class Chart:
             "colour": one.colour,
             "dash": one.dash,
             "fill": one.fill,
-            "line": " ".join(f"{x},{y}" for x, y in places),
+            "line": " ".join(f"{x},{y}" for x, y in places) if one.joined else "",
             "marks": places if one.marks else [],
         }
 
@@ -208,3 +211,23 @@ def count_drawing(rows: Sequence[dict[str, float | None]]) -> dict:
     limits = (float(min(numbers)) - 0.5, float(max(numbers)) + 0.5)  # type: ignore[arg-type]
     floor = max(0.0, lowest - 0.08 * (1 - lowest) - 0.01)
     return Chart(limits, (floor, 1.02), "cameras on the ring", "of the ring maximum", True).drawing(series)
+
+
+def tradeoff_drawing(rows: Sequence[dict]) -> dict:
+    """Area over error, from the rows of tradeoff.csv."""
+
+    def points(chosen) -> np.ndarray:
+        return np.array([(row["rms_error_mm"], row["fraction_of_ring_maximum"]) for row in chosen]).reshape(-1, 2)
+
+    best = [row for row in rows if row["undominated"]]
+    series = [Series("none has both more area and less error", BLUE, points(best), marks=True)]
+    for kind, colour in (("equidistant", GREY), ("opposite pairs", ORANGE)):
+        of_kind = points([row for row in rows if row["layout"] == kind])
+        if len(of_kind):
+            series.append(Series(kind, colour, of_kind, marks=True, joined=False))
+    every = points(rows)
+    low, high = every.min(axis=0), every.max(axis=0)
+    room = 0.06 * (high - low) + (1e-4, 0.002)
+    limits = (low - room, high + room)
+    x, y = ((max(0.0, float(limits[0][k])), float(limits[1][k])) for k in (0, 1))
+    return Chart(x, y, "RMS error [mm]", "of the ring maximum").drawing(series)

@@ -1,6 +1,7 @@
 """report.html: a layout, what it was asked for and what is known of it, in one page that needs no network."""
 
 import csv
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ import placement
 from experiments.files.errors import InputError
 from experiments.files.whole import written_whole
 from experiments.report import request_text as report_words
-from experiments.report.drawings import count_drawing, histogram_drawing, ring_drawing
+from experiments.report.drawings import count_drawing, histogram_drawing, ring_drawing, tradeoff_drawing
 from experiments.report.scene import DrawnSurface, drawn_surface, packed
 from experiments.request.layout_file import LayoutFile, constraints_of
 from experiments.tables.layouts import SHARES
@@ -51,7 +52,7 @@ def write(path: Path, made: LayoutFile, shown: exact.Scene) -> None:
     Parameters
     ----------
     path : pathlib.Path
-        The page; count.csv beside it, if it is of the same request, is shown too.
+        The page; count.csv and tradeoff.csv beside it, if they are of the same request, are shown too.
     made : LayoutFile
     shown : exact.Scene
         The first of the meshes that the layout was made for, and what of it counts.
@@ -62,11 +63,11 @@ def write(path: Path, made: LayoutFile, shown: exact.Scene) -> None:
     """
     check(made)
     with written_whole(path) as temporary:
-        temporary.write_text(page(made, shown, path.parent / "count.csv"), encoding="utf-8")
+        temporary.write_text(page(made, shown, path.parent), encoding="utf-8")
 
 
-def page(made: LayoutFile, shown: exact.Scene, count_table: Path) -> str:
-    """The report as HTML; whatever comes from files is shown as text."""
+def page(made: LayoutFile, shown: exact.Scene, folder: Path) -> str:
+    """The report as HTML, with the tables found in a folder; whatever comes from files is shown as text."""
     content = made.content
     single = len(content["meshes"]) == 1 and content["poses"] is None
     ring_area = content["meshes"][0]["areas_of_poses_mm2"][0]["ring_maximum"] if content["falloff_mm"] is None else None
@@ -112,7 +113,8 @@ def page(made: LayoutFile, shown: exact.Scene, count_table: Path) -> str:
         histogram=histogram_drawing(angles),
         robustness=_robustness(content),
         certificate=content["certificate"],
-        count=_count(made, count_table),
+        count=_count(made, folder / "count.csv"),
+        tradeoff=_tradeoff(made, folder / "tradeoff.csv"),
         command=report_words.command(made),
         rig=report_words.rig(made),
         hashes=[(about["name"], about["sha256"]) for about in content["meshes"]],
@@ -212,14 +214,7 @@ def _count(made: LayoutFile, path: Path) -> dict[str, Any] | None:
     if not path.exists():
         return None
     names = ("n_cameras", "equidistant_fraction", "best_equidistant_fraction", "optimised_fraction", "bound_fraction")
-    try:
-        with path.open(newline="", encoding="utf-8") as file:
-            table = list(csv.DictReader(file))
-        rows = [{name: float(row[name]) if row[name] else None for name in names} for row in table]
-    except (OSError, ValueError, KeyError) as error:
-        raise InputError(
-            f"{path} is no table of camring count ({error!r}); repeat camring count, or remove it"
-        ) from error
+    table, rows = _table(path, names, "count")
     own = made.content["fractions_of_ring_maximum"]["equidistant"]
     same = [
         row["equidistant_fraction"] is not None and abs(row["equidistant_fraction"] - own) < SAME_FRACTION
@@ -235,3 +230,42 @@ def _count(made: LayoutFile, path: Path) -> dict[str, Any] | None:
         "rows": [row | {"proven": word} for row, word in zip(rows, proven, strict=True)],
         "chart": count_drawing(rows),
     }
+
+
+def _tradeoff(made: LayoutFile, path: Path) -> dict[str, Any] | None:
+    """What tradeoff.csv says, if it is there and of the same request."""
+    if not path.exists():
+        return None
+    names = ("area_mm2", "fraction_of_ring_maximum", "rms_error_mm")
+    table, rows = _table(path, names, "tradeoff")
+    rows = [
+        numbers
+        | {"layout": row.get("layout", ""), **{name: row.get(name) == "True" for name in ("undominated", "knee")}}
+        for row, numbers in zip(table, rows, strict=True)
+    ]
+    own = made.content["fractions_of_ring_maximum"]["equidistant"]
+    even = [row["fraction_of_ring_maximum"] for row in rows if row["layout"] == "equidistant"]
+    if not any(fraction is not None and abs(fraction - own) < SAME_FRACTION for fraction in even):
+        note(f"note: {path} is of another request, and is left out of the report")
+        return None
+    rows = [row for row in rows if None not in row.values()]
+    return {"rows": [row for row in rows if row["undominated"]], "chart": tradeoff_drawing(rows)}
+
+
+def _table(
+    path: Path, names: Sequence[str], command: str
+) -> tuple[list[dict[str, str]], list[dict[str, float | None]]]:
+    """Rows of a table that a command wrote, as they stand, and their numbers; None where there is none.
+
+    Raises
+    ------
+    InputError
+    """
+    try:
+        with path.open(newline="", encoding="utf-8") as file:
+            table = list(csv.DictReader(file))
+        return table, [{name: float(row[name]) if row[name] else None for name in names} for row in table]
+    except (OSError, ValueError, KeyError) as error:
+        raise InputError(
+            f"{path} is no table of camring {command} ({error!r}); repeat camring {command}, or remove it"
+        ) from error

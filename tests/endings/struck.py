@@ -55,7 +55,7 @@ class Struck:
         self.has_struck = False
         self.submit = loky.ProcessPoolExecutor.submit
         loky.ProcessPoolExecutor.submit = lambda pool, function, *a: self.submitted(command, pool, function, *a)
-        if command in ("optimise", "count"):  # whose workers start in the background
+        if command in ("optimise", "count", "tradeoff"):  # whose workers start in the background
             profiles.EmbreeScene = self.scene
         elif command not in ("bench", "paper", "study"):  # which start none
             with processes(1):

@@ -21,6 +21,7 @@ AT_ONCE = 2.0
 COMMANDS = {
     "optimise": "optimise part.stl --rig rig.toml",
     "count": "count part.stl --rig rig.toml --max-cameras 2",
+    "tradeoff": "tradeoff part.stl --rig rig.toml --cameras 2",
     "evaluate": "evaluate part.stl --cameras 2 --out out --json",
     "compare": "compare made/layout.json made/layout.json --mesh part.stl --out out --json",
     "report": "report made/layout.json --mesh part.stl --out out --json",

@@ -60,7 +60,7 @@ def run_command(line: str, desk: Path, camring, quick_search: str) -> None:
         known = typer.main.get_command(app).commands[arguments[0]]
         known.make_context(arguments[0], arguments[1:])
         return
-    if arguments[0] in ("optimise", "count"):
+    if arguments[0] in ("optimise", "count", "tradeoff"):
         if "--rig" not in arguments:
             (desk / "quick.toml").write_text(quick_search, encoding="utf-8")
             arguments += ["--rig", "quick.toml"]
