@@ -19,7 +19,9 @@ if TYPE_CHECKING:
     from placement.problem import Problem
 
 # Coverage given up, in parts of the ring maximum: layouts with the least error are looked for at each of these.
-GIVEN_UP = (0.0005, 0.001, 0.002, 0.003, 0.004, 0.006, 0.008, 0.012, 0.02, 0.03, 0.05, 0.08, 0.12, 0.17, 0.23, 0.3, 0.5)
+GIVEN_UP = (0.0005, 0.001, 0.002, 0.003, 0.005, 0.008, 0.012, 0.018, 0.025, 0.035, 0.05, 0.07, 0.1, 0.15, 0.25, 0.5)
+# Random layouts that each of them starts from too.
+N_FRESH = 10
 # Further such searches where the curve found so far takes its widest steps.
 N_FILLED = 6
 # Leading layouts of the search, which have the most area.
@@ -134,15 +136,18 @@ def trade(
         )
     report("searching", 0, 1)
     pool, _ = search(problem, space)
-    searched, last = list(pool[:N_SCORED]), []
-    levels = list(GIVEN_UP)
+    rng = np.random.default_rng([problem.seed, 4])
+    searched: list[np.ndarray] = list(pool[:N_SCORED])
+    last: list[np.ndarray] = []
     for number in range(len(GIVEN_UP) + N_FILLED):
         report("trading area for accuracy", number, len(GIVEN_UP) + N_FILLED)
-        # What gives up a little less is the best place to start from, after a search of its own for the first.
-        if number < len(GIVEN_UP):
-            given_up, starts = levels[number], last
-        else:
-            given_up, starts = _widest_step(coverage, searched, coverage.worth(pool[0]))
+        # What gives up a little less is a good place to start from, after a search of its own for the first, but not
+        # the only one.
+        fresh = [space.random(rng) for _ in range(N_FRESH)]
+        given_up, starts = GIVEN_UP[min(number, len(GIVEN_UP) - 1)], [*last, *fresh] if last else None
+        if number >= len(GIVEN_UP):
+            given_up, near = _widest_step(coverage, searched, coverage.worth(pool[0]))
+            starts = [*near, *fresh]
         last = accurate_layouts(problem, space, pool, given_up, starts)[:N_LAYOUTS]
         searched += last
     report("trading area for accuracy", 1, 1)
