@@ -16,7 +16,7 @@ from placement.proof.certificate import Certificate
 from placement.recommend import Recommendation, recommend, refuse_target
 from placement.results import Placement
 from placement.samples.profiles import RingProfiles
-from placement.samples.sampled_coverage import SampledCoverage
+from placement.samples.sampled_coverage import SampledCoverage, refuse_unmet
 from placement.samples.sampled_site import sample_site
 from placement.search.proposal import GIVE_UP, bound, propose
 from placement.search.ring_maximum import Memory, RingMaximum
@@ -159,7 +159,7 @@ class Problem:
         >>> [len(problem.optimise(n, certify=False).angles) for n in (2, 3)]
         [2, 3]
         """
-        return propose(self, self._space(n_cameras, constraints), certify, progress, give_up)
+        return propose(self, self._met(n_cameras, constraints), certify, progress, give_up)
 
     def tradeoff(
         self,
@@ -170,7 +170,7 @@ class Problem:
         progress: Progress | None = None,
     ) -> TradeOff:
         """Find what accuracy costs in area; as `placement.tradeoff`."""
-        return trade(self, self._space(n_cameras, constraints), certify, progress)
+        return trade(self, self._met(n_cameras, constraints), certify, progress)
 
     def certify(self, n_cameras: int = 4, constraints: Constraints | None = None, *, layout=None) -> Certificate:
         """Bound what any layout of `n_cameras` cameras can reconstruct; as `placement.certify`."""
@@ -189,6 +189,12 @@ class Problem:
         constraints = Constraints() if constraints is None else constraints
         numbers = refuse_target(target, max_cameras, self.demanded(constraints), constraints)
         return recommend(self, target, constraints, numbers, certify, progress)
+
+    def _met(self, n_cameras: int, constraints: Constraints | None) -> LayoutSpace:
+        """The space of layouts, unless none of them meets a bound on the error anywhere."""
+        space = self._space(n_cameras, constraints)
+        refuse_unmet(self.profiles, self.demand, self.ring, space.n_cameras)
+        return space
 
     def _space(self, n_cameras: int, constraints: Constraints | None) -> LayoutSpace:
         return LayoutSpace(self.ring, n_cameras, Constraints() if constraints is None else constraints)

@@ -9,9 +9,11 @@ import numpy as np
 import exact
 from exact.whole_numbers import is_whole
 from placement.errors import PlacementError
+from placement.layouts.arcs import LayoutSpace
 from placement.layouts.constraints import Constraints
 from placement.progress import Progress, numbered
 from placement.results import Placement
+from placement.search.proposal import propose
 
 if TYPE_CHECKING:
     from placement.problem import Problem
@@ -122,7 +124,8 @@ def recommend(
         found = None
         if refusal is None:
             try:
-                found = problem.optimise(n, constraints, certify=certify, give_up=0.0, progress=numbered(progress, n))
+                space = LayoutSpace(problem.ring, n, constraints)
+                found = propose(problem, space, certify, numbered(progress, n), give_up=0.0)
             except PlacementError as error:  # as many do not fit, nor do more
                 refusal = error
                 if not counts:

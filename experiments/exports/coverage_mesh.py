@@ -1,4 +1,4 @@
-"""Results as meshes: the reconstructable part, and the whole surface coloured by the number of views.
+"""Results as meshes: the reconstructable part, the surface coloured by the number of views, and by predicted error.
 
 The colours are those of `coverage_figure`. PLY has one per face and the number of views beside it; in glTF each number
 of views is an object of its own, which can be shown and hidden.
@@ -8,6 +8,8 @@ from pathlib import Path
 
 import numpy as np
 import trimesh
+from matplotlib import colormaps
+from matplotlib.ticker import MaxNLocator
 
 import exact
 from exact.show import colours
@@ -16,6 +18,9 @@ from experiments.files.whole import written_whole
 
 RECONSTRUCTABLE = ("reconstructable.stl", "reconstructable.ply")
 FILES = (*RECONSTRUCTABLE, "coverage.ply", "coverage.glb")
+ERRORS = ("errors.ply", "errors.glb")
+# Classes of errors that are told apart.
+N_CLASSES = 8
 
 
 def coverage_parts(result: exact.Reconstruction) -> dict[int, trimesh.Trimesh]:
@@ -54,7 +59,7 @@ def write(folder: Path, result: exact.Reconstruction) -> tuple[str, ...]:
     tuple of str
         Names of the files written.
     """
-    part = result.to_mesh()
+    part = _in_four_bytes(result.to_mesh())
     names = FILES if len(part.faces) else FILES[len(RECONSTRUCTABLE) :]
     for name in RECONSTRUCTABLE:
         if name not in names:
@@ -69,6 +74,40 @@ def write(folder: Path, result: exact.Reconstruction) -> tuple[str, ...]:
     objects = [gltf.Part(_title(n, result.threshold), parts[n], palette[n].tolist()) for n in parts]
     gltf.write(folder / "coverage.glb", objects)
     return names
+
+
+def write_errors(folder: Path, result: exact.Reconstruction | None) -> tuple[str, ...]:
+    """Write `ERRORS` into `folder`, the reconstructable part coloured by its predicted error; without one, none.
+
+    In PLY each triangle has the errors at its centre beside its colour, `depth_error` and `normal_error` [mm]; in glTF
+    each class of errors is an object of its own.
+    """
+    for name in ERRORS:
+        (folder / name).unlink(missing_ok=True)  # of an earlier result, it would pass for this one's
+    if result is None:
+        return ()
+    mesh = result.to_mesh(errors=True)
+    error = np.asarray(mesh.face_attributes[f"{result.demand.error}_error"])
+    # The few that are much worse than all others would leave the rest in one class.
+    edges = MaxNLocator(N_CLASSES, min_n_ticks=2).tick_values(0.0, float(np.quantile(error, 0.98)))[1:]
+    which = np.minimum(np.searchsorted(edges, error), len(edges) - 1)
+    palette = colormaps["viridis"](np.linspace(0.95, 0.0, len(edges)))[:, :3]
+    mesh.visual.face_colors = np.round(255 * palette[which]).astype(np.uint8)
+    with written_whole(folder / ERRORS[0]) as temporary:
+        _in_four_bytes(mesh).export(temporary)
+    titles = [f"to {edge:.3g} mm" for edge in edges[:-1]] + [f"above {edges[-2] if len(edges) > 1 else 0.0:.3g} mm"]
+    classes = [mesh.submesh([np.flatnonzero(which == k)], append=True) for k in np.unique(which)]
+    shown = zip(np.unique(which).tolist(), classes, strict=True)
+    gltf.write(folder / ERRORS[1], [gltf.Part(titles[k], part, palette[k].tolist()) for k, part in shown])
+    return ERRORS
+
+
+def _in_four_bytes(mesh: trimesh.Trimesh) -> trimesh.Trimesh:
+    """The mesh with whole numbers that PLY has a type for."""
+    for name, values in mesh.face_attributes.items():
+        if values.dtype == np.int64:
+            mesh.face_attributes[name] = values.astype(np.int32)
+    return mesh
 
 
 def _coloured(parts: dict[int, trimesh.Trimesh], palette: dict[int, np.ndarray]) -> trimesh.Trimesh:

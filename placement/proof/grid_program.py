@@ -114,12 +114,12 @@ class GridProgram:
         start = (np.arange(n_places)[:, None] - self.window_of + 1) % n_places
         partners = may.sum(axis=0) - np.round(np.take_along_axis(near, start, axis=0)).astype(int)
         for at, sees in zip(self.fixed_at, self.fixed, strict=True):
-            partners += sees & (_around(np.arange(n_places) - at, n_places)[:, None] >= self.apart)
+            partners += sees & (around(np.arange(n_places) - at, n_places)[:, None] >= self.apart)
         paired = may & ((partners > 0) | (self.apart <= 0))
         fixed = np.zeros_like(self.fixed)
         for k, (at, sees) in enumerate(zip(self.fixed_at, self.fixed, strict=True)):
-            far = may & (_around(np.arange(n_places) - at, n_places)[:, None] >= self.apart)
-            among = self.fixed & (_around(self.fixed_at - at, n_places)[:, None] >= self.apart)
+            far = may & (around(np.arange(n_places) - at, n_places)[:, None] >= self.apart)
+            among = self.fixed & (around(self.fixed_at - at, n_places)[:, None] >= self.apart)
             fixed[k] = sees & (far.any(axis=0) | among.any(axis=0) | (self.apart <= 0))
         if self.threshold == 2:
             return replace(self, seen=paired, fixed=fixed)
@@ -134,7 +134,7 @@ class GridProgram:
         if self.is_spread:
             far = self.apart <= 0
             for one, other in itertools.combinations(range(len(at)), 2):
-                far |= seen[one] & seen[other] & (_around(at[one] - at[other], len(self.seen)) >= self.apart)
+                far |= seen[one] & seen[other] & (around(at[one] - at[other], len(self.seen)) >= self.apart)
             covered &= far
         return float(self.sums(covered).min())
 
@@ -151,7 +151,7 @@ def in_windows(amount: Float[np.ndarray, "K P"], width: Int[np.ndarray, " P"]) -
     return until[begin + width, np.arange(n_points)] - until[:n_places]
 
 
-def _around(steps, n_places: int):
+def around(steps, n_places: int):
     """Distance around the circle of places that lie so many steps apart, the shorter way."""
     steps = np.mod(steps, n_places)
     return np.minimum(steps, n_places - steps)

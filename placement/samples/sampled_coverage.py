@@ -12,6 +12,7 @@ from jaxtyping import Bool, Float, Int
 
 import exact
 from exact.demand import Criterion
+from placement.errors import PlacementError
 from placement.layouts.arcs import LayoutSpace
 from placement.samples.profiles import RingProfiles
 
@@ -21,6 +22,8 @@ PAIR_GRID = 120
 LEAST_SPREAD = 1e-9
 # How much the mean of several sites counts beside the least: enough to lead over flat stretches, too little to decide.
 MEAN_SHARE = 0.01
+# Errors on a ring follow its formula to 0.3 %.
+NEARLY_EXACT = 1.003
 
 
 class SampledCoverage:
@@ -303,6 +306,27 @@ def variances_of(
 ) -> Float[np.ndarray, " N"]:
     """(N,) predicted variances [mm²] of samples that the cameras at these ring angles [rad] see; `noise` in [mm⁴]."""
     return _variances(seen.sum(axis=0), np.exp(1j * angles) @ seen, ring, noise)
+
+
+def refuse_unmet(profiles: RingProfiles, demand: exact.Demand, ring: exact.Ring, n_cameras: int) -> None:
+    """Refuse a bound on the error that no layout meets at any of the samples.
+
+    However many cameras see a point, their squared distances from their centre add up to (d/2)² each at most.
+
+    Raises
+    ------
+    PlacementError
+        With the least error that can be met.
+    """
+    if demand.max_error is None or len(profiles.noise) == 0:
+        return
+    least = float(np.sqrt(profiles.noise.min() / n_cameras)) / (ring.diameter / 2)
+    if least > NEARLY_EXACT * demand.max_error:
+        raise PlacementError(
+            f"max_error is {demand.max_error:g} mm; {n_cameras} cameras on this ring place no point of the surface "
+            f"better than to {least:.3g} mm: allow a larger error, or take more cameras, a wider or nearer ring, more "
+            "pixels or a lower noise of a match"
+        )
 
 
 def _variances(count: np.ndarray, moment: np.ndarray, ring: exact.Ring, noise: np.ndarray) -> np.ndarray:

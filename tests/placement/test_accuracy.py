@@ -132,6 +132,16 @@ def test_one_more_camera_on_the_samples_as_one_by_one(artery, asked):
         assert on_grid[k] == pytest.approx(coverage.worth(np.append(others, coverage.grid[k])), abs=1e-5)
 
 
+def test_two_more_cameras_under_a_baseline_as_one_by_one(artery):
+    problem = Problem(artery, RING, settings=QUICK, min_baseline=15.0)
+    coverage, _ = problem.coverage(placement.Constraints())
+    others, rng = np.radians([20.0, 100.0]), np.random.default_rng(0)
+    worth = coverage.worth_with_two_more(others)
+    for i, j in rng.integers(0, len(coverage.pair_grid), (40, 2)):
+        layout = [*others, coverage.pair_grid[i], coverage.pair_grid[j]]
+        assert worth[i, j] == pytest.approx(coverage.worth(layout), abs=1e-5)
+
+
 def test_thinned_samples_stand_for_all(problem):
     coverage, _ = problem.coverage(placement.Constraints())
     thin = SampledCoverage(coverage.profiles.thinned(4), coverage.demand, coverage.ring)
@@ -146,3 +156,16 @@ def test_a_limit_that_no_view_meets_is_refused_by_name(artery):
         Problem(artery, RING, settings=QUICK, limits=exact.Limits(min_pixel_density=1e6))
     with pytest.raises(placement.PlacementError, match="nothing turned towards it is lit"):
         Problem(exact.Scene(artery.mesh, artery.exclude, lights=((0, 0, -500),)), RING, settings=QUICK)
+
+
+def test_an_error_that_no_layout_meets_is_refused_with_the_best_that_can_be_met(artery):
+    with pytest.raises(placement.PlacementError, match=r"3 cameras on this ring place no point .* than to 0\.05\d* mm"):
+        placement.optimise(artery, RING, 3, settings=QUICK, certify=False, max_error=0.01)
+    # Three cameras far apart that all see a point near the rim place it about as well as was said.
+    found = placement.optimise(artery, RING, 3, settings=QUICK, certify=False, max_error=0.075)
+    assert found.area > 0
+    # Of numbers that are tried, the first may not meet it.
+    counted = placement.recommend_count(
+        artery, RING, 0.05, settings=QUICK, certify=False, max_error=0.06, max_cameras=4
+    )
+    assert counted.counts[0].fraction == 0 and counted.counts[-1].fraction > 0

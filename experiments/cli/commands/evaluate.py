@@ -23,7 +23,14 @@ from experiments.terminal.console import note, print_json, table, terminal
 from experiments.terminal.progress import progress_bar
 from placement.search.ring_maximum import unbased
 
-OUTPUTS = ("reconstructable.stl", "reconstructable.ply", "coverage.ply", "coverage.glb", "evaluation.json")
+OUTPUTS = (
+    "reconstructable.stl", "reconstructable.ply", "coverage.ply", "coverage.glb", "errors.ply", "errors.glb",
+    "evaluation.json",
+)  # fmt: skip
+# More cameras are not listed one by one, and their errors take as long as the rest together, and more.
+MOST_SHOWN = 32
+# Shares of the area whose greatest errors are told.
+SHARES = (0.05, 0.5, 0.95)
 # Less of a mesh than this part of its area is rounding, such as of a face that is seen from its edge.
 UNSEEN = 1e-12
 # So much of what is seen is the back if that is why nothing counts [parts].
@@ -148,6 +155,12 @@ def _evaluate(asked: Request, given: _Cameras, with_maximum: bool) -> tuple[exac
         "camera_areas_mm2": single,
         "repairs": result.repairs,
     }
+    if result.threshold > 1 and len(cameras) <= MOST_SHOWN and result.area > 0:
+        content["errors_mm"] = {
+            "along": given.demand.error,
+            "rms": result.error_rms,
+            "quantiles": dict(zip(map(str, SHARES), result.error_quantiles(SHARES), strict=True)),
+        }
     if maximum is not None:
         content |= {"ring_maximum_mm2": maximum, "fraction_of_ring_maximum": result.area / maximum if maximum else 0.0}
     return result, content
@@ -160,6 +173,7 @@ def _write(out: Path, asked: Request, result: exact.Reconstruction, content: dic
 
     layout_file.write(out / "evaluation.json", content)
     names = coverage_mesh.write(out, result)
+    names += coverage_mesh.write_errors(out, result if "errors_mm" in content else None)
     missing = "" if "reconstructable.stl" in names else "; nothing is reconstructable, so there is no mesh of it"
     note(f"wrote {', '.join(str(out / name) for name in (*names, 'evaluation.json'))}{missing}")
 
@@ -206,8 +220,15 @@ def _print(asked: Request, angles: np.ndarray, result: exact.Reconstruction, con
     shown = table("camera", "ring angle [degrees]", "exact area [mm²]")
     for number, (angle, area) in enumerate(zip(angles, content["camera_areas_mm2"], strict=True), start=1):
         shown.add_row(str(number), f"{np.degrees(angle):.3f}", f"{area:.4f}")
-    if len(angles) <= 32:
+    if len(angles) <= MOST_SHOWN:
         console.print(shown)
+    if "errors_mm" in content:
+        errors = content["errors_mm"]
+        half, most = (errors["quantiles"][str(share)] for share in SHARES[1:])
+        console.print(
+            f"predicted {errors['along']} error: RMS {errors['rms']:.4f} mm; half of the area to {half:.4f} mm, "
+            f"95 % to {most:.4f} mm"
+        )
     if "ring_maximum_mm2" in content:
         console.print(
             f"ring maximum ({asked.rig.settings.ring_cameras} cameras): {content['ring_maximum_mm2']:.4f} mm², of "

@@ -91,6 +91,26 @@ def test_the_reconstructable_part_has_its_area(areas, expected):
         assert trimesh.load_mesh(areas / name).area == pytest.approx(expected[3], rel=SINGLE)
 
 
+def test_errors_stand_beside_their_colours(scan, tmp_path, capsys):
+    evaluate(scan, tmp_path, "--angles-deg", "0,100,220")
+    told = json.loads((tmp_path / "evaluation.json").read_text(encoding="utf-8"))
+    assert f"RMS {told['errors_mm']['rms']:.4f} mm" in capsys.readouterr().out
+    face, vertex = (PlyData.read(tmp_path / "errors.ply")[name] for name in ("face", "vertex"))
+    corners = np.stack([vertex[axis] for axis in "xyz"], axis=1)[np.stack(face["vertex_indices"].tolist())]
+    area = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    assert area.sum() == pytest.approx(told["area_mm2"], rel=SINGLE)
+    # At the centre of each triangle; errors hardly change over one.
+    rms = np.sqrt(area @ face["depth_error"] ** 2 / area.sum())
+    assert rms == pytest.approx(told["errors_mm"]["rms"], rel=1e-2)
+    bright = face["red"].astype(int) + face["green"] + face["blue"]
+    best, worst = np.argsort(face["depth_error"])[[0, -1]]
+    assert bright[best] > bright[worst]
+    scene = trimesh.load_scene(tmp_path / "errors.glb")
+    assert sum(1e6 * part.area for part in scene.geometry.values()) == pytest.approx(told["area_mm2"], rel=SINGLE)
+    assert all(name.startswith(("to ", "above ")) for name in scene.geometry)
+    assert PlyData.read(tmp_path / "reconstructable.ply")["face"]["parent"].max() >= 0
+
+
 def test_nothing_reconstructable_leaves_no_mesh_of_it(scan, tmp_path, capsys):
     evaluate(scan, tmp_path, "--angles-deg", "0,90", "--min-baseline", "21")
     assert (tmp_path / "reconstructable.stl").exists()
