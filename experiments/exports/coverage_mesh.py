@@ -92,13 +92,12 @@ def write_errors(folder: Path, result: exact.Reconstruction | None) -> tuple[str
     edges = MaxNLocator(N_CLASSES, min_n_ticks=2).tick_values(0.0, float(np.quantile(error, 0.98)))[1:]
     which = np.minimum(np.searchsorted(edges, error), len(edges) - 1)
     palette = colormaps["viridis"](np.linspace(0.95, 0.0, len(edges)))[:, :3]
-    mesh.visual.face_colors = np.round(255 * palette[which]).astype(np.uint8)
+    mesh.visual = trimesh.visual.ColorVisuals(mesh, face_colors=np.round(255 * palette[which]).astype(np.uint8))
     with written_whole(folder / ERRORS[0]) as temporary:
         _in_four_bytes(mesh).export(temporary)
     titles = [f"to {edge:.3g} mm" for edge in edges[:-1]] + [f"above {edges[-2] if len(edges) > 1 else 0.0:.3g} mm"]
-    classes = [mesh.submesh([np.flatnonzero(which == k)], append=True) for k in np.unique(which)]
-    shown = zip(np.unique(which).tolist(), classes, strict=True)
-    gltf.write(folder / ERRORS[1], [gltf.Part(titles[k], part, palette[k].tolist()) for k, part in shown])
+    classes = [(int(k), trimesh.Trimesh(mesh.vertices, mesh.faces[which == k])) for k in np.unique(which)]
+    gltf.write(folder / ERRORS[1], [gltf.Part(titles[k], part, palette[k].tolist()) for k, part in classes])
     return ERRORS
 
 
