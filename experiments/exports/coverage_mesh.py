@@ -10,6 +10,7 @@ import numpy as np
 import trimesh
 from matplotlib import colormaps
 from matplotlib.ticker import MaxNLocator
+from trimesh.visual import ColorVisuals
 
 import exact
 from exact.show import colours
@@ -92,7 +93,7 @@ def write_errors(folder: Path, result: exact.Reconstruction | None) -> tuple[str
     edges = MaxNLocator(N_CLASSES, min_n_ticks=2).tick_values(0.0, float(np.quantile(error, 0.98)))[1:]
     which = np.minimum(np.searchsorted(edges, error), len(edges) - 1)
     palette = colormaps["viridis"](np.linspace(0.95, 0.0, len(edges)))[:, :3]
-    mesh.visual = trimesh.visual.ColorVisuals(mesh, face_colors=np.round(255 * palette[which]).astype(np.uint8))
+    mesh.visual = ColorVisuals(mesh, face_colors=np.round(255 * palette[which]).astype(np.uint8))
     with written_whole(folder / ERRORS[0]) as temporary:
         _in_four_bytes(mesh).export(temporary)
     titles = [f"to {edge:.3g} mm" for edge in edges[:-1]] + [f"above {edges[-2] if len(edges) > 1 else 0.0:.3g} mm"]
