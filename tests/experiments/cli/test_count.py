@@ -2,6 +2,7 @@
 
 import csv
 import json
+import sys
 from types import SimpleNamespace
 from typing import Any
 
@@ -77,14 +78,15 @@ def test_the_fewest_cameras_that_reach_the_target(camring, bars, tmp_path):
 
 
 def test_what_is_known_stays_when_it_is_stopped(camring, bars, tmp_path, monkeypatch):
-    optimise = placement.Problem.optimise
+    module = sys.modules["placement.recommend"]
+    propose = module.propose
 
-    def stopped(problem, n, *more, **named):
-        if n == 3:
+    def stopped(problem, space, *more, **named):
+        if space.n_cameras == 3:
             raise KeyboardInterrupt
-        return optimise(problem, n, *more, **named)
+        return propose(problem, space, *more, **named)
 
-    monkeypatch.setattr(placement.Problem, "optimise", stopped)
+    monkeypatch.setattr(module, "propose", stopped)
     (tmp_path / "layout.json").write_text("of an earlier run", encoding="utf-8")
     status, out, err = camring(*count(bars, "--out", tmp_path, "--force"))
     assert (status, out) == (130, "")
