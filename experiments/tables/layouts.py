@@ -1,6 +1,5 @@
 """The table of layouts that `optimise` and `compare` print and write."""
 
-import csv
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from rich.table import Table
 
-from experiments.files.whole import written_whole
+from experiments.files.table import write_table
 from experiments.terminal.console import table
 
 if TYPE_CHECKING:  # at run time only their values are needed
@@ -126,10 +125,5 @@ def figures(row: Row) -> dict[str, Any]:
 
 
 def write_csv(path: Path, rows: Sequence[Row]) -> None:
-    """The figures of each row, ring angles separated by blanks."""
-    table = [figures(row) for row in rows]
-    with written_whole(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, list(table[0]), lineterminator="\n")
-        writer.writeheader()
-        for row in table:
-            writer.writerow(row | {"ring_angles_deg": " ".join(map(repr, row["ring_angles_deg"]))})
+    """The figures of each row."""
+    write_table(path, [figures(row) for row in rows])

@@ -4,13 +4,12 @@ Choices are put together from two halves. With counts c_A and c_B of the cameras
 c_A = t and c_B <= T - 1 - t for some t < T, so T matrix products give the missed weight of all pairs of halves.
 """
 
-import itertools
 import time
 
 import numpy as np
 from jaxtyping import Int
 
-from placement.proof.grid_program import SINGLE_PRECISION, GridProgram, GridSolution, around
+from placement.proof.grid_program import SINGLE_PRECISION, GridProgram, GridSolution
 
 # Halves per block: blocks this large keep the matrix products fast and fit the cache of intermediate results.
 BLOCK = 512
@@ -73,19 +72,11 @@ def enumerate_spread(program: GridProgram, end: float = np.inf) -> GridSolution 
         choices = choices[choices[:, 0] + n_places - choices[:, -1] >= program.window]
     if len(choices) == 0:
         return GridSolution(None, 0.0, 0.0, "enumeration", True)
-    of_site = (program.site == np.arange(program.n_sites)[:, None]) * program.weights
     block, worth = max(1, VIEWS_PER_BLOCK // max(program.seen.shape[1], 1)), np.zeros(len(choices))
     for first in range(0, len(choices), block):
         if time.perf_counter() > end:
             return None
-        chosen = choices[first : first + block].T
-        seen = [*program.seen[chosen], *program.fixed[:, None]]
-        at = [*chosen, *program.fixed_at[:, None]]
-        far = np.broadcast_to(program.apart <= 0, (chosen.shape[1], len(program.apart))).copy()
-        for one, other in itertools.combinations(range(len(at)), 2):
-            far |= seen[one] & seen[other] & (around(at[one] - at[other], n_places)[:, None] >= program.apart)
-        covered = far & (program.base + program.seen[chosen].sum(axis=0) >= program.threshold)
-        worth[first : first + block] = (covered @ of_site.T).min(axis=1)
+        worth[first : first + block] = program.worths(choices[first : first + block])
     best = tuple(choices[int(worth.argmax())].tolist())
     value = program.value(best)
     return GridSolution(best, value, value + SINGLE_PRECISION * total, "enumeration", True)

@@ -126,17 +126,21 @@ class GridProgram:
         hopeless = ~(paired.any(axis=0) | fixed.any(axis=0))
         return replace(self, seen=self.seen & ~hopeless, fixed=self.fixed & ~hopeless)
 
-    def value(self, places) -> float:
-        """Weight of the points seen by cameras enough, for chosen places; the least of the sums."""
-        places = np.asarray(places, dtype=int)
-        seen, at = np.concatenate([self.seen[places], self.fixed]), np.concatenate([places, self.fixed_at])
-        covered = seen.sum(axis=0) >= self.threshold
+    def worths(self, choices: Int[np.ndarray, "C N"]) -> Float[np.ndarray, " C"]:
+        """(C,) weight of the points seen by cameras enough, for (C, N) chosen places; the least of the sums."""
+        chosen = self.seen[choices.T]
+        covered = self.base + chosen.sum(axis=0) >= self.threshold
         if self.is_spread:
-            far = self.apart <= 0
+            seen, at = [*chosen, *self.fixed[:, None]], [*choices.T, *self.fixed_at[:, None]]
+            far = np.broadcast_to(self.apart <= 0, covered.shape).copy()
             for one, other in itertools.combinations(range(len(at)), 2):
-                far |= seen[one] & seen[other] & (around(at[one] - at[other], len(self.seen)) >= self.apart)
+                far |= seen[one] & seen[other] & (around(at[one] - at[other], len(self.seen))[:, None] >= self.apart)
             covered &= far
-        return float(self.sums(covered).min())
+        return np.stack([self.sums(one) for one in covered]).min(axis=1)
+
+    def value(self, places) -> float:
+        """The same for one choice."""
+        return float(self.worths(np.asarray(places, dtype=int).reshape(1, -1))[0])
 
 
 def in_windows(amount: Float[np.ndarray, "K P"], width: Int[np.ndarray, " P"]) -> Float[np.ndarray, "K P"]:

@@ -1,7 +1,5 @@
 """camring count: the fewest cameras that reach a target, well placed and equidistant."""
 
-import csv
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +11,7 @@ from exact.workers import background
 from experiments.cli.results_folder import results_folder
 from experiments.figures.count import write_count
 from experiments.files.errors import InputError
-from experiments.files.whole import written_whole
+from experiments.files.table import write_table
 from experiments.request import layout_file
 from experiments.request import rig as rig_file
 from experiments.request.request import Request, request
@@ -55,7 +53,7 @@ def run(
     def keep(counted: placement.CountResult) -> None:
         """Put on disk what is known so far."""
         counts.append(counted)
-        _write_csv(out / TABLE, counts)
+        write_table(out / TABLE, [figures(one) for one in counts])
         found = counted.placement
         if found is not None and found.fraction >= target and not (out / LAYOUT).exists():
             layout_file.write(out / LAYOUT, layout_file.placement_content(found, asked))
@@ -106,15 +104,6 @@ def figures(counted: placement.CountResult) -> dict[str, Any]:
         "seconds": None if found is None else round(sum(found.search.seconds.values()), 3),
         "ring_angles_deg": None if found is None else np.degrees(found.angles).tolist(),
     }
-
-
-def _write_csv(path: Path, counts: Sequence[placement.CountResult]) -> None:
-    rows = [figures(counted) for counted in counts]
-    with written_whole(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
-        writer.writeheader()
-        for row in rows:
-            writer.writerow(row | {"ring_angles_deg": " ".join(map(repr, row["ring_angles_deg"] or ()))})
 
 
 def in_words(found: placement.Recommendation, of: str) -> str:

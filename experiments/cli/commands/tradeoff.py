@@ -1,6 +1,5 @@
 """camring tradeoff: what accuracy costs in area."""
 
-import csv
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +10,7 @@ import placement
 from exact.workers import background
 from experiments.cli.results_folder import results_folder
 from experiments.figures.tradeoff import write_tradeoff
-from experiments.files.whole import written_whole
+from experiments.files.table import write_table
 from experiments.request import rig as rig_file
 from experiments.request.request import request
 from experiments.terminal.console import note, print_json, table, terminal
@@ -41,11 +40,7 @@ def run(
         problem, limits = asked.problem(progress), asked.rig.constraints
         found = problem.tradeoff(asked.rig.n_cameras, limits, certify=asked.rig.certify, progress=progress)
     rows = _rows(found)
-    with written_whole(out / TABLE) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
-        writer.writeheader()
-        for row in rows:
-            writer.writerow(row | {"ring_angles_deg": " ".join(map(repr, row["ring_angles_deg"]))})
+    write_table(out / TABLE, rows)
     write_tradeoff(out / PICTURE, f"{asked.name}, {asked.rig.n_cameras} cameras", asked.of, found)
     if as_json:
         print_json(
