@@ -161,15 +161,8 @@ def trade(
         bound = certify_samples(problem.profiles, space, demand, settings, of, pool[:N_SCORED]).bound_fraction
     ranked = sorted(range(len(layouts)), key=lambda i: -coverage.worth(layouts[i][1]))
     kept = [ranked[i] for i in distinct([layouts[i][1] for i in ranked], problem.settings.distinct_tolerance)]
-    done, total = 0, len(problem.sites.members) * len(kept)
-
-    def on_evaluation(steps: int) -> None:
-        nonlocal done
-        done += steps
-        report("scoring exactly", min(done, total), total)
-
     angles = [canonical(layouts[i][1]) for i in kept]
-    scorer.many(angles, on_evaluation)
+    scorer.with_progress(angles, report)
     report("errors", 0, 1)
     errors = scorer.errors(angles)
     traded = []

@@ -94,15 +94,7 @@ def propose(
     layouts += [("equidistant", layout) for layout in even if space.allows(layout)]
     to_score = [layout for _, layout in layouts] + even
     n_exact = len({canonical(layout).tobytes() for layout in to_score})
-    done, total = 0, len(problem.sites.members) * n_exact
-
-    def on_evaluation(steps: int) -> None:
-        nonlocal done
-        done += steps
-        report("scoring exactly", min(done, total), total)
-
-    scorer.many(to_score, on_evaluation)
-    report("scoring exactly", total, total)
+    scorer.with_progress(to_score, report)
     clock.lap("scoring")
     report("ring maximum", 0, 1)
     _ = scorer.ring_areas

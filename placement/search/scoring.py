@@ -7,6 +7,7 @@ import numpy as np
 import exact
 from exact.workers import processes
 from placement.layouts.distinct import canonical
+from placement.progress import Progress
 from placement.search.ring_maximum import RingMaximum
 from placement.sites import Sites
 
@@ -74,6 +75,19 @@ class ExactScorer:
             for theta, of_sites in zip(new, np.stack(found, axis=1).tolist(), strict=True):
                 self._areas[theta.tobytes()] = tuple(of_sites)
         return [self._areas[theta.tobytes()] for theta in turned]
+
+    def with_progress(self, layouts: Sequence, progress: Progress) -> list[tuple[float, ...]]:
+        """`many`, saying how far it is."""
+        done, total = 0, len(self.sites.members) * len({canonical(layout).tobytes() for layout in layouts})
+
+        def on_evaluation(steps: int) -> None:
+            nonlocal done
+            done += steps
+            progress("scoring exactly", min(done, total), total)
+
+        found = self.many(layouts, on_evaluation)
+        progress("scoring exactly", total, total)
+        return found
 
     def fraction(self, angles) -> float:
         """Exact fraction of the ring maximum for a layout, over all sites as their objective says."""
