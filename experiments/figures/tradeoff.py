@@ -7,10 +7,9 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter, PercentFormatter, ScalarFormatter
 
 import placement
+from experiments.figures.palette import BLUE, GREY, ORANGE
 from experiments.figures.text import figure_text
 from experiments.files.whole import written_whole
-
-BLUE, GREY, ORANGE = "#1f5fa8", "0.45", "#c65b1c"
 
 
 def write_tradeoff(path: Path, name: str, of: str, found: placement.TradeOff) -> None:

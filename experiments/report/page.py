@@ -215,14 +215,8 @@ def _count(made: LayoutFile, path: Path) -> dict[str, Any] | None:
         return None
     names = ("n_cameras", "equidistant_fraction", "best_equidistant_fraction", "optimised_fraction", "bound_fraction")
     table, rows = _table(path, names, "count")
-    own = made.content["fractions_of_ring_maximum"]["equidistant"]
-    same = [
-        row["equidistant_fraction"] is not None and abs(row["equidistant_fraction"] - own) < SAME_FRACTION
-        for row in rows
-        if row["n_cameras"] == made.content["n_cameras"]
-    ]
-    if not any(same):
-        note(f"note: {path} is of another request, and is left out of the report")
+    of_as_many = [row for row in rows if row["n_cameras"] == made.content["n_cameras"]]
+    if not _is_of(made, path, [row["equidistant_fraction"] for row in of_as_many]):
         return None
     words = {"True": "yes", "False": "time ran out"}
     proven = [words.get(row.get("proven", ""), "") for row in table]
@@ -243,13 +237,19 @@ def _tradeoff(made: LayoutFile, path: Path) -> dict[str, Any] | None:
         | {"layout": row.get("layout", ""), **{name: row.get(name) == "True" for name in ("undominated", "knee")}}
         for row, numbers in zip(table, rows, strict=True)
     ]
-    own = made.content["fractions_of_ring_maximum"]["equidistant"]
-    even = [row["fraction_of_ring_maximum"] for row in rows if row["layout"] == "equidistant"]
-    if not any(fraction is not None and abs(fraction - own) < SAME_FRACTION for fraction in even):
-        note(f"note: {path} is of another request, and is left out of the report")
+    if not _is_of(made, path, [row["fraction_of_ring_maximum"] for row in rows if row["layout"] == "equidistant"]):
         return None
     rows = [row for row in rows if None not in row.values()]
     return {"rows": [row for row in rows if row["undominated"]], "chart": tradeoff_drawing(rows)}
+
+
+def _is_of(made: LayoutFile, path: Path, fractions: Sequence[float | None]) -> bool:
+    """Whether one of the equidistant fractions of a table is that of the layout; if not, it says so."""
+    own = made.content["fractions_of_ring_maximum"]["equidistant"]
+    if any(fraction is not None and abs(fraction - own) < SAME_FRACTION for fraction in fractions):
+        return True
+    note(f"note: {path} is of another request, and is left out of the report")
+    return False
 
 
 def _table(

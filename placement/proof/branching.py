@@ -52,7 +52,7 @@ def branch_and_bound(
         value = program.value(())
         return GridSolution((), value, value, METHOD, True)
     best, choice = (-np.inf, None) if known is None else (program.value(known), tuple(known))
-    relaxed = _Relaxed(program)
+    relaxed, unsolved = _Relaxed(program), 0.0
     number = itertools.count()  # of two nodes with the same bound the older comes first
     first = relaxed.solved(_Node(relaxed.most, {}), ROOT_ROUNDS, end)
     waiting = [] if first is None else [(-first.bound, next(number), first)]
@@ -60,15 +60,18 @@ def branch_and_bound(
         if time.perf_counter() > end or (nodes is not None and relaxed.n_solved > nodes):
             break
         node = heapq.heappop(waiting)[2]
-        places = node.places(program)
-        if places is not None and program.value(places) > best:
-            best, choice = program.value(places), places
-        for counts in _halves(program, node):
+        places, halves = node.places(program), _halves(program, node)
+        if places is not None:
+            value = program.value(places)
+            best, choice = (value, places) if value > best else (best, choice)
+        elif not halves:  # one layout that the solver failed on
+            unsolved = max(unsolved, node.bound)
+        for counts in halves:
             child = relaxed.solved(_Node(node.bound, counts), NODE_ROUNDS, end)
             if child is not None and child.bound > best:
                 heapq.heappush(waiting, (-child.bound, next(number), child))
-    bound = max(-waiting[0][0] if waiting else 0.0, best, 0.0)
-    finished = bound <= best * (1 + gap) or (choice is None and not waiting)
+    bound = max(-waiting[0][0] if waiting else 0.0, best, unsolved)
+    finished = bound <= best * (1 + gap) or (choice is None and not waiting and unsolved == 0)
     if choice is None:
         return GridSolution(None, 0.0, 0.0 if finished else bound, METHOD, finished)
     return GridSolution(choice, best, bound, METHOD, finished)
