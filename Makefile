@@ -4,7 +4,7 @@ BIN := .venv/bin
 LOCK := UV_CUSTOM_COMPILE_COMMAND='make lock' $(BIN)/uv pip compile pyproject.toml --quiet --upgrade --python-version 3.11
 # A few minutes less than all: they touch every library that camring is made of.
 OLDEST_TESTS := $(addprefix tests/,whole/test_dependencies.py exact/test_closed_forms.py \
-	exact/test_oracle.py::test_awkward_meshes meshes/test_load.py placement/test_soft_coverage.py \
+	exact/rays/test_sites.py::test_awkward_meshes meshes/test_load.py placement/test_soft_coverage.py \
 	bad_input/test_refused.py)
 
 .PHONY: demo test coverage test-oldest lint lock docs clean

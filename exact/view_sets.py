@@ -14,6 +14,7 @@ import shapely
 from exact.cameras import Camera
 from exact.demand import Criterion, Demand, every_view
 from exact.errors import ExactError
+from exact.predicted.errors import Errors, errors_over
 from exact.predicted.reconstructed import area_by_face, reconstructed
 from exact.requests import (
     ASKED,
@@ -82,14 +83,8 @@ class ViewSets:
         criterion, chosen = self._asked(asked)
         if criterion.bound is None:
             return float(self.areas[self.met(**asked)].sum())
-        surface, pieces = self._scene.surface, self._pieces
-        everything = np.zeros(len(surface.areas), dtype=bool)
-        everything[self._whole] = True
-        whole_seen = np.zeros((len(surface.areas), len(self._cameras)), dtype=bool)
-        whole_seen[self._whole] = self._whole_seen & chosen
-        seen = Tally(whole_seen, ~everything, Pieces(pieces.face, pieces.polygon, pieces.seen & chosen), 0)
-        met = reconstructed(surface, everything, seen, criterion)
-        return float(self._scene.worth(area_by_face(surface, *met)))
+        met = self._reconstructed(criterion, chosen)
+        return float(self._scene.worth(area_by_face(self._scene.surface, *met)))
 
     @shows({"cameras": None, "far": None, **demand_keywords(), "demand": None})
     def met(self, **asked: Any) -> np.ndarray:
@@ -100,11 +95,14 @@ class ViewSets:
         criterion, chosen = self._asked(asked)
         return criterion.enough(self.seen & chosen)
 
-    def _asked(self, asked: dict[str, Any]) -> tuple[Criterion, np.ndarray]:
+    def _demand(self, asked: dict[str, Any]) -> Demand:
         refuse_unknown(asked, {"cameras", "far", *demand_keywords(), "demand"})
         of_demand = {name: value for name, value in asked.items() if name not in ("cameras", "far")}
         given = {name: getattr(self.demand, name) for name in ("depth_axis", "limits", "optics")}
-        demand = checked_demand(of_demand if "demand" in asked else given | of_demand) if of_demand else self.demand
+        return checked_demand(of_demand if "demand" in asked else given | of_demand) if of_demand else self.demand
+
+    def _asked(self, asked: dict[str, Any]) -> tuple[Criterion, np.ndarray]:
+        demand = self._demand(asked)
         if demand.limits != self.demand.limits or (demand.limits.is_any and demand.optics != self.demand.optics):
             raise ExactError("these sets of cameras were made with other limits; make new ones with those")
         criterion, chosen = demand.of(self._cameras, self._scene.surface), asked.get("cameras")
@@ -112,6 +110,42 @@ class ViewSets:
             criterion = replace(criterion, far=np.asarray(asked["far"], dtype=bool))
         everyone = np.ones(len(self._cameras), dtype=bool)
         return criterion, everyone if chosen is None else np.asarray(chosen, dtype=bool)
+
+    @shows({"cameras": None, "far": None, **demand_keywords(), "demand": None})
+    def errors(self, *, pairs: np.ndarray | None = None, **asked: Any) -> Errors:
+        """Predicted errors over what the chosen cameras reconstruct.
+
+        Parameters
+        ----------
+        pairs : (M, M) bool, optional
+            Symmetric: pairs of cameras whose images are matched. A point is then triangulated from the cameras that see
+            it together with a partner, and points that no pair sees are left out. By default all cameras count that see
+            a point.
+        **asked
+            As for `area`.
+        """
+        criterion, chosen = self._asked(asked)
+        whole, parts = self._reconstructed(criterion, chosen)
+        index, whole_seen = self._whole[whole[self._whole]], (self._whole_seen & chosen)[whole[self._whole]]
+        seen = parts.seen
+        if pairs is not None:
+            matched = np.asarray(pairs, dtype=np.float32)
+            whole_seen = whole_seen & (whole_seen.astype(np.float32) @ matched > 0)
+            seen = seen & (seen.astype(np.float32) @ matched > 0)
+            index, whole_seen = index[whole_seen.any(axis=1)], whole_seen[whole_seen.any(axis=1)]
+            parts = Pieces(parts.face, parts.polygon, seen).take(np.any(seen, axis=1))
+        predictor = self._demand(asked).predictor(self._cameras, self._scene.surface)
+        return errors_over(predictor, index, whole_seen, parts, self._scene.weights)
+
+    def _reconstructed(self, criterion: Criterion, chosen: np.ndarray) -> tuple[np.ndarray, Pieces]:
+        """Faces, (F,) bool, and pieces that meet the criterion with the chosen cameras."""
+        surface, pieces = self._scene.surface, self._pieces
+        everything = np.zeros(len(surface.areas), dtype=bool)
+        everything[self._whole] = True
+        whole_seen = np.zeros((len(surface.areas), len(self._cameras)), dtype=bool)
+        whole_seen[self._whole] = self._whole_seen & chosen
+        seen = Tally(whole_seen, ~everything, Pieces(pieces.face, pieces.polygon, pieces.seen & chosen), 0)
+        return reconstructed(surface, everything, seen, criterion)
 
     def to_mesh(self) -> "trimesh.Trimesh":
         """The counted surface, cut where the set of cameras changes.

@@ -13,11 +13,12 @@ if TYPE_CHECKING:
     from placement.jitter import jitter
     from placement.layouts.constraints import Constraints
     from placement.optimise import certify, optimise, place, recommend_count, tradeoff
+    from placement.pairs import Pair
     from placement.problem import Problem
     from placement.proof.certificate import Certificate
     from placement.recommend import CountResult, Recommendation, recommend
     from placement.results import Candidate, Placement, SearchRecord, SiteResult
-    from placement.robustness import Consensus, Pair, Robustness, consensus, robustness
+    from placement.robustness import Consensus, Robustness, consensus, robustness
     from placement.search.equidistant import best_equidistant_phase
     from placement.settings import Settings
     from placement.sites import falloff

@@ -9,30 +9,9 @@ from exact.whole_numbers import is_whole
 from placement.errors import PlacementError
 from placement.layouts.constraints import Constraints
 from placement.layouts.distinct import canonical
+from placement.pairs import Pair, Pairs
 from placement.problem import Problem
 from placement.results import Candidate, Placement
-
-# Pairs are listed until the rest of them would add less than this part of the area.
-PAIRS_ENOUGH = 1e-3
-
-
-@dataclass(frozen=True)
-class Pair:
-    """Two cameras of a layout.
-
-    Attributes
-    ----------
-    cameras : (int, int)
-        Their indices in the layout, ring angles increasing.
-    area : float
-        Reconstructable area that both see [mm²], summed over the sites.
-    together : float
-        The same for this pair and all those listed before it: what they reconstruct as pairs.
-    """
-
-    cameras: tuple[int, int]
-    area: float
-    together: float
 
 
 @dataclass(frozen=True)
@@ -53,7 +32,12 @@ class Robustness:
         The same for layouts off in directions drawn at random.
     pairs : tuple of Pair
         First the pair that sees most of the reconstructable area, then whichever adds most, until hardly anything is
-        missing: the order in which to reconstruct.
+        missing.
+    error_rms : float
+        Root mean square of the predicted errors [mm] over all that all cameras reconstruct; infinite for one camera.
+    accurate_pairs : tuple of Pair
+        As few pairs as were found that keep 99 % of the area and, to within 10 %, that error: what to reconstruct from
+        (Wachter 2021, section 4). In the order of the area that they add; empty where errors are not finite.
     """
 
     angles: tuple[float, ...]
@@ -62,6 +46,8 @@ class Robustness:
     mounting_error: float
     mounting_fractions: tuple[float, ...]
     pairs: tuple[Pair, ...]
+    error_rms: float
+    accurate_pairs: tuple[Pair, ...]
 
     @property
     def worst_failure(self) -> float:
@@ -148,9 +134,11 @@ def robustness(
     failed = [scorer.combined([of_site.area(demand=demand, cameras=kept) for of_site in sets]) for kept in without]
     sides = np.random.default_rng([seed, 2]).choice([-1.0, 1.0], size=(int(n_mountings), len(theta)))
     askew = scorer.many(list(theta + mounting_error * sides))
+    far = demand.far(cameras)
+    pairs = Pairs(sets, problem.coverage(constraints)[0], theta, without if far is None else far & without)
     return Robustness(
         tuple(theta.tolist()), scorer.fraction(theta), tuple(failed), mounting_error,
-        tuple(scorer.combined(areas) for areas in askew), _pairs(sets, demand, demand.far(cameras)),
+        tuple(scorer.combined(areas) for areas in askew), pairs.by_area(), pairs.error(None), pairs.accurate(),
     )  # fmt: skip
 
 
@@ -183,23 +171,3 @@ def consensus(result: Placement, n_layouts: int = 10) -> Consensus:
         nearest = away.min(axis=2)
     distances = np.median(nearest, axis=0) if len(nearest) else np.zeros(len(theta))
     return Consensus(tuple(found.fraction for found in best), tuple(distances.tolist()))
-
-
-def _pairs(sets: list[exact.ViewSets], demand: exact.Demand, far: np.ndarray | None) -> tuple[Pair, ...]:
-    """Pairs in the order in which each adds most to those before it."""
-    seen = np.concatenate([of_site.seen for of_site in sets])
-    areas = np.concatenate([of_site.areas for of_site in sets])
-    first, second = np.triu_indices(seen.shape[1], k=1)
-    if far is not None:
-        first, second = first[far[first, second]], second[far[first, second]]
-    met = np.concatenate([of_site.met(demand=demand) for of_site in sets])
-    both = seen[:, first] & seen[:, second] & met[:, None]
-    alone, whole = areas @ both, float(areas @ both.any(axis=1))
-    found, left, together = [], areas.copy(), 0.0
-    while together < (1 - PAIRS_ENOUGH) * whole:
-        adds = left @ both
-        best = int(adds.argmax())
-        together += float(adds[best])
-        left[both[:, best]] = 0.0
-        found.append(Pair((int(first[best]), int(second[best])), float(alone[best]), together))
-    return tuple(found)

@@ -18,7 +18,7 @@ from experiments.report.drawings import count_drawing, histogram_drawing, ring_d
 from experiments.report.scene import DrawnSurface, drawn_surface, packed
 from experiments.request.layout_file import LayoutFile, constraints_of
 from experiments.tables.layouts import SHARES
-from experiments.tables.robustness import PAIRS_SHOWN_UNTIL, consensus_words
+from experiments.tables.robustness import PAIRS_SHOWN_UNTIL, accurate_pairs_words, consensus_words
 from experiments.terminal.console import note
 
 # What must stand in a layout file to report on it.
@@ -186,8 +186,10 @@ def _robustness(content: dict[str, Any]) -> dict[str, Any] | None:
     found = content.get("robustness")
     if found is None:
         return None
+    # Layouts of earlier versions have no accurate pairs.
+    accurate = found.get("accurate_pairs", [])
     enough = [pair["share_with_pairs_before"] >= PAIRS_SHOWN_UNTIL for pair in found["pairs"]]
-    shown = found["pairs"][: enough.index(True) + 1 if True in enough else None]
+    n_cameras = len(found["layouts"][-1]["ring_angles_deg"])
     agreed = placement.Consensus(
         tuple(found["best_layouts_fractions"]), tuple(np.radians(found["distances_in_best_layouts_deg"]).tolist())
     )
@@ -204,8 +206,8 @@ def _robustness(content: dict[str, Any]) -> dict[str, Any] | None:
             for layout in found["layouts"]
         ],
         "consensus": consensus_words(agreed, np.radians(found["layouts"][-1]["ring_angles_deg"]).tolist()),
-        "pairs": shown,
-        "n_more_pairs": len(found["pairs"]) - len(shown),
+        "pairs": accurate or found["pairs"][: enough.index(True) + 1 if True in enough else None],
+        "accurate": accurate_pairs_words(len(accurate), n_cameras, found["rms_error_mm"]) if accurate else None,
     }
 
 

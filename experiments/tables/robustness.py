@@ -74,29 +74,49 @@ agree on the place; where it is much, other places serve as well.
 
 def pairs_table(found: placement.Robustness, area: float) -> Table:
     """The pairs of cameras to reconstruct from; `area` is what the layout reconstructs [mm²], summed over the sites."""
-    shown = table("cameras", "ring angles [°]", "see of the area", "with those above")
-    for pair in _leading(found.pairs, area):
+    columns = ["cameras", "ring angles [°]", "see of the area", "with those above"]
+    shown = table(*columns, *(["RMS error with those above [mm]"] if found.accurate_pairs else []))
+    for pair in _shown_pairs(found, area):
         first, second = pair.cameras
         shown.add_row(
             f"{first + 1} and {second + 1}",
             f"{np.degrees(found.angles[first]):.1f} and {np.degrees(found.angles[second]):.1f}",
             f"{100 * pair.area / area:.1f} %",
             f"{100 * pair.together / area:.1f} %",
+            *([f"{pair.error:.4f}"] if found.accurate_pairs else []),
         )
     return shown
 
 
 def pairs_words(found: placement.Robustness, area: float) -> str:
-    """What `pairs_table` shows, and what it leaves out."""
-    left = len(found.pairs) - len(_leading(found.pairs, area))
-    rest = f" {left} more pairs add the rest." if left > 1 else " One more pair adds the rest." if left else ""
+    """What `pairs_table` shows."""
+    if found.accurate_pairs:
+        return accurate_pairs_words(len(found.accurate_pairs), len(found.angles), found.error_rms)
     return (
         "Pairs of the optimised layout to reconstruct from: the one that sees most of its reconstructable area, then "
-        f"whichever adds most.{rest}"
+        "whichever adds most."
     )
 
 
-def _leading(pairs: Sequence[placement.Pair], area: float) -> Sequence[placement.Pair]:
+def accurate_pairs_words(n_pairs: int, n_cameras: int, error_rms: float) -> str:
+    """How few pairs will do.
+
+    Examples
+    --------
+    >>> print(accurate_pairs_words(4, 4, 0.0803))
+    Pairs of the optimised layout to reconstruct from: 4 of its 6 keep 99 % of its area and, to within 10 %, the RMS \
+error of all cameras together, 0.0803 mm.
+    """
+    return (
+        f"Pairs of the optimised layout to reconstruct from: {n_pairs} of its {n_cameras * (n_cameras - 1) // 2} keep "
+        f"99 % of its area and, to within 10 %, the RMS error of all cameras together, {error_rms:.4f} mm."
+    )
+
+
+def _shown_pairs(found: placement.Robustness, area: float) -> Sequence[placement.Pair]:
+    if found.accurate_pairs:
+        return found.accurate_pairs
+    pairs = found.pairs
     enough = next((i for i, pair in enumerate(pairs) if pair.together >= PAIRS_SHOWN_UNTIL * area), len(pairs))
     return pairs[: enough + 1]
 
@@ -128,12 +148,16 @@ def robustness_content(rows: Sequence[Row], agreed: placement.Consensus, area: f
         ],
         "best_layouts_fractions": list(agreed.fractions),
         "distances_in_best_layouts_deg": np.degrees(agreed.distances).tolist(),
-        "pairs": [
-            {
-                "cameras": [pair.cameras[0] + 1, pair.cameras[1] + 1],
-                "share_of_area": pair.area / area,
-                "share_with_pairs_before": pair.together / area,
-            }
-            for pair in best.pairs
-        ],
+        "pairs": [_pair_content(pair, area) for pair in best.pairs],
+        "rms_error_mm": best.error_rms if np.isfinite(best.error_rms) else None,
+        "accurate_pairs": [_pair_content(pair, area) for pair in best.accurate_pairs],
+    }
+
+
+def _pair_content(pair: placement.Pair, area: float) -> dict[str, Any]:
+    return {
+        "cameras": [pair.cameras[0] + 1, pair.cameras[1] + 1],
+        "share_of_area": pair.area / area,
+        "share_with_pairs_before": pair.together / area,
+        "rms_error_with_pairs_before_mm": pair.error if np.isfinite(pair.error) else None,
     }

@@ -1,4 +1,5 @@
 import dataclasses
+import itertools
 
 import numpy as np
 import pytest
@@ -72,7 +73,55 @@ def test_pairs_add_up_to_what_all_reconstruct(bars, problem):
 def test_pairs_too_close_for_the_baseline_do_no_work(problem):
     close = (0.0, 0.3, np.pi)
     found = placement.robustness(problem, close, Constraints(min_separation=0.0, min_baseline=10.0), n_mountings=1)
-    assert (0, 1) not in [pair.cameras for pair in found.pairs]
+    assert found.accurate_pairs
+    assert (0, 1) not in [pair.cameras for pair in (*found.pairs, *found.accurate_pairs)]
+
+
+@pytest.mark.parametrize(
+    "angles", [LAYOUT, (0.1, 0.5, 3.3, 3.6), tuple(RING.equidistant(6)), (0.0, 0.9, 1.8, 2.7, 3.3, 4.4, 5.5)]
+)
+def test_accurate_pairs_keep_area_and_error_and_are_few(bars, problem, angles):
+    found = placement.robustness(problem, angles, n_mountings=1)
+    sets = exact.view_sets(bars, RING.cameras(found.angles), depth_axis=(0, 0, 1))
+    everyone = sets.errors().rms()
+    assert found.error_rms == pytest.approx(everyone, rel=1e-12)
+    every = list(itertools.combinations(range(len(angles)), 2))
+
+    def measured(pairs):
+        """Area and RMS error from pairs, cameras of each view set taken together by hand."""
+        squares = total = 0.0
+        for seen, area in zip(sets.seen, sets.areas, strict=True):
+            used = {camera for pair in pairs if seen[list(pair)].all() for camera in pair}
+            if used:
+                # On a ring the error is inversely proportional to the root of the spread of the cameras.
+                spread = len(used) - abs(np.exp(1j * np.array(found.angles)[sorted(used)]).sum()) ** 2 / len(used)
+                squares, total = squares + area / spread, total + area
+        return total, np.sqrt(squares / total) if total else np.inf
+
+    whole, best = measured(every)
+    kept, error = measured([pair.cameras for pair in found.accurate_pairs])
+    # All that is seen is about as deep, so that depths do not matter to ratios of errors.
+    assert kept >= 0.985 * whole and error <= 1.12 * best
+    assert found.accurate_pairs[-1].together == pytest.approx(kept, rel=1e-9)
+    assert found.accurate_pairs[-1].error <= 1.1 * everyone
+    if len(every) <= 15:  # none of all choices of fewer pairs will do
+        for fewer in itertools.combinations(every, len(found.accurate_pairs) - 1):
+            area, error = measured(fewer)
+            assert area < 0.995 * whole or error > 1.08 * best
+
+
+def test_errors_from_pairs_are_those_of_their_cameras(bars):
+    sets = exact.view_sets(bars, RING.cameras(LAYOUT), depth_axis=(0, 0, 1))
+    pairs = np.zeros((4, 4), dtype=bool)
+    pairs[0, 2] = pairs[2, 0] = True
+    alone = exact.evaluate(bars, RING.cameras([LAYOUT[0], LAYOUT[2]]), depth_axis=(0, 0, 1))
+    found = sets.errors(pairs=pairs)
+    assert found.weights.sum() == pytest.approx(alone.area, rel=1e-9)
+    for error in ("depth", "normal"):
+        assert found.rms(error) == pytest.approx(alone.errors.rms(error), rel=1e-6)
+    kept = sets.errors(cameras=[True, False, True, False])
+    assert kept.rms() == pytest.approx(found.rms(), rel=1e-9)
+    assert sets.errors(pairs=~np.eye(4, dtype=bool)).rms() == pytest.approx(sets.errors().rms(), rel=1e-12)
 
 
 def test_fewer_cameras_than_the_threshold_reconstruct_nothing(problem):

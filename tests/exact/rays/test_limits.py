@@ -12,7 +12,7 @@ from tests.support.usable_oracle import deviations, usable
 
 N_POINTS = 1_000_000
 STANDARD_ERRORS = 4.0
-RAY_BIAS = 1e-5  # see test_oracle.py
+RAY_BIAS = 1e-5  # see test_sites.py
 
 RING = exact.Ring()
 ANGLES = RING.equidistant(8)

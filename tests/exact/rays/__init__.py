@@ -1,0 +1,1 @@
+"""Exact areas against rays: an estimate that shares no code with them."""
