@@ -56,7 +56,7 @@ class Robustness:
 
     @property
     def mean_failure(self) -> float:
-        """Fraction left when any one camera fails, in the mean."""
+        """Fraction left when any one camera fails, on average."""
         return float(np.mean(self.failed_fractions))
 
     @property

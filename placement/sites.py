@@ -64,8 +64,8 @@ class Sites:
         """What the combined fraction is a fraction of, in words."""
         if len(self.members) == 1:
             return "the ring maximum"
-        how = "at the worst" if self.objective == "worst" else "in the mean"
-        return f"the ring maximum {how} of {len(self.members)} sites"
+        how = "at the worst of" if self.objective == "worst" else "averaged over"
+        return f"the ring maximum {how} {len(self.members)} sites"
 
 
 def scene_keywords() -> dict[str, Any]:

@@ -45,7 +45,7 @@ def test_figures_are_those_of_the_sites(objective):
     assert result.candidates[0].fraction == most == max(found.fraction for found in result.candidates)
     assert most - result.give_up <= result.fraction <= most
     assert result.certificate.proven and result.certificate.gap > -result.certificate.sampling_error
-    words = "at the worst of 2 sites" if objective == "worst" else "in the mean of 2 sites"
+    words = "at the worst of 2 sites" if objective == "worst" else "averaged over 2 sites"
     assert words in result.certificate.statement
     assert len(result.mesh_hash.split("+")) == 2
 
