@@ -31,7 +31,8 @@ class CountResult:
     best_equidistant_fraction : float
         The same at the best phase tried.
     placement : Placement or None
-        The optimised layout; None if cameras of this number do not meet the constraints.
+        The optimised layout; None if cameras of this number do not meet the constraints. Where the target is reached,
+        it is the most accurate of those that reach it and give up no more than usual, else the one with most area.
     """
 
     n_cameras: int
@@ -125,7 +126,7 @@ def recommend(
         if refusal is None:
             try:
                 space = LayoutSpace(problem.ring, n, constraints)
-                found = propose(problem, space, certify, numbered(progress, n), give_up=0.0)
+                found = propose(problem, space, certify, numbered(progress, n), target=target)
             except PlacementError as error:  # as many do not fit, nor do more
                 refusal = error
                 if not counts:

@@ -1,6 +1,7 @@
 """Tables as CSV files."""
 
 import csv
+import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -16,3 +17,14 @@ def write_table(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
         for row in rows:
             lists = {name: " ".join(map(repr, value)) for name, value in row.items() if isinstance(value, list)}
             writer.writerow({**row, **lists})
+
+
+def finite(number: float) -> float | None:
+    """None for what JSON cannot hold and a table leaves empty.
+
+    Examples
+    --------
+    >>> finite(0.5), finite(math.inf)
+    (0.5, None)
+    """
+    return number if math.isfinite(number) else None

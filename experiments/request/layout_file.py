@@ -12,6 +12,7 @@ import trimesh
 import exact
 from exact.requests import checked_demand, demand_keywords
 from experiments.files.errors import InputError
+from experiments.files.table import finite
 from experiments.files.whole import written_whole
 from experiments.request.declared_fields import declared
 from experiments.request.options import CLASSES, PARTS
@@ -126,7 +127,7 @@ def placement_content(found: "placement.Placement", asked: "Request") -> dict[st
         "best_equidistant_phase_deg": float(np.degrees(found.best_equidistant_phase)),
         "areas_mm2": {name: area / n_poses for name, area in zip(names, areas, strict=True)},
         "fractions_of_ring_maximum": dict(zip(names, fractions, strict=True)),
-        "rms_errors_mm": {name: value if np.isfinite(value) else None for name, value in errors.items()},
+        "rms_errors_mm": {name: finite(value) for name, value in errors.items()},
         "give_up": found.give_up,
         "most_area": {
             "angles_deg": np.degrees(found.most_area.angles).tolist(),

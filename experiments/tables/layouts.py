@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from rich.table import Table
 
-from experiments.files.table import write_table
+from experiments.files.table import finite, write_table
 from experiments.terminal.console import table
 
 if TYPE_CHECKING:  # at run time only their values are needed
@@ -113,8 +113,8 @@ def figures(row: Row) -> dict[str, Any]:
         "area_mm2": row.area,
         "fraction_of_ring_maximum": row.fraction,
         "gain_fraction": row.gain,
-        "rms_error_mm": row.error if np.isfinite(row.error) else None,
-        "smallest_separation_mm": row.smallest_separation if np.isfinite(row.smallest_separation) else None,
+        "rms_error_mm": finite(row.error),
+        "smallest_separation_mm": finite(row.smallest_separation),
         "widest_triangulation_angle_deg": float(np.degrees(row.widest_angle)),
         "mean_triangulation_angle_deg": float(np.degrees(row.mean_angle)),
         **quantiles,

@@ -7,6 +7,7 @@ import numpy as np
 from rich.table import Table
 
 import placement
+from experiments.files.table import finite
 from experiments.tables.layouts import Row
 from experiments.terminal.console import table
 
@@ -149,7 +150,7 @@ def robustness_content(rows: Sequence[Row], agreed: placement.Consensus, area: f
         "best_layouts_fractions": list(agreed.fractions),
         "distances_in_best_layouts_deg": np.degrees(agreed.distances).tolist(),
         "pairs": [_pair_content(pair, area) for pair in best.pairs],
-        "rms_error_mm": best.error_rms if np.isfinite(best.error_rms) else None,
+        "rms_error_mm": finite(best.error_rms),
         "accurate_pairs": [_pair_content(pair, area) for pair in best.accurate_pairs],
     }
 
@@ -159,5 +160,5 @@ def _pair_content(pair: placement.Pair, area: float) -> dict[str, Any]:
         "cameras": [pair.cameras[0] + 1, pair.cameras[1] + 1],
         "share_of_area": pair.area / area,
         "share_with_pairs_before": pair.together / area,
-        "rms_error_with_pairs_before_mm": pair.error if np.isfinite(pair.error) else None,
+        "rms_error_with_pairs_before_mm": finite(pair.error),
     }

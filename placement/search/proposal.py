@@ -59,8 +59,13 @@ def propose(
     certify: bool = True,
     progress: Progress | None = None,
     give_up: float = GIVE_UP,
+    target: float = 0.0,
 ) -> Placement:
-    """Find the best layout of `space` for a `Problem`; result and errors as for `placement.optimise`."""
+    """Find the best layout of `space` for a `Problem`; result and errors as for `placement.optimise`.
+
+    Of what reaches `target`, a fraction of the ring maximum, no more is given up than leaves it reached; if nothing
+    does, nothing is given up.
+    """
     if not (isinstance(give_up, int | float | np.number) and 0 <= give_up < 1):
         raise PlacementError(f"give_up is {give_up!r}; it must be at least 0 and below 1, a part of the ring maximum")
     report = progress or nothing
@@ -120,7 +125,7 @@ def propose(
     report("polishing", 1, 1)
 
     best = max(range(len(even)), key=lambda i: scorer.fraction(even[i]))
-    proposed = _most_accurate(scored, coverage, give_up)
+    proposed = _most_accurate(scored, coverage, max(scored[0].fraction - give_up, min(target, scored[0].fraction)))
     compared = [proposed.angles, scored[0].angles, even[0], even[best]]
     errors = scorer.errors(compared) if space.n_cameras > 1 else [np.inf] * len(compared)
     if errors[1] < errors[0]:  # samples are not exact
@@ -159,10 +164,11 @@ def propose(
     )
 
 
-def _most_accurate(scored: list[Candidate], coverage: SampledCoverage, give_up: float) -> Candidate:
-    """Of the layouts that give up no more than that, the one with the least error; best first, as `scored` are."""
-    within = [found for found in scored if found.fraction >= scored[0].fraction - give_up]
-    return min(within, key=lambda found: coverage.error(found.angles)) if give_up > 0 else scored[0]
+def _most_accurate(scored: list[Candidate], coverage: SampledCoverage, least: float) -> Candidate:
+    """Of the layouts with at least that fraction, the one with the least error; best first, as `scored` are."""
+    if least >= scored[0].fraction:
+        return scored[0]
+    return min((found for found in scored if found.fraction >= least), key=lambda found: coverage.error(found.angles))
 
 
 class _Clock:

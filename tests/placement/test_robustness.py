@@ -157,7 +157,11 @@ def test_fewest_cameras(bars):
     for c in found.counts:
         whole = area(bars, RING.equidistant(16))
         assert c.equidistant_fraction == pytest.approx(area(bars, RING.equidistant(c.n_cameras)) / whole, rel=1e-12)
-        assert c.fraction >= c.best_equidistant_fraction
+        most = c.placement.most_area.fraction
+        assert most >= c.best_equidistant_fraction
+        # What reaches the target gives up no more than leaves it reached; what does not gives nothing up.
+        assert c.fraction >= max(0.55, most - 0.005) if most >= 0.55 else c.fraction == most
+        assert c.placement.error_rms <= c.placement.most_area_error_rms
 
 
 def test_every_number_has_its_certificate_and_is_told_as_soon_as_it_is_there(problem):

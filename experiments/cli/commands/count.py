@@ -11,7 +11,7 @@ from exact.workers import background
 from experiments.cli.results_folder import results_folder
 from experiments.figures.count import write_count
 from experiments.files.errors import InputError
-from experiments.files.table import write_table
+from experiments.files.table import finite, write_table
 from experiments.request import layout_file
 from experiments.request import rig as rig_file
 from experiments.request.request import Request, request
@@ -95,6 +95,8 @@ def figures(counted: placement.CountResult) -> dict[str, Any]:
         "best_equidistant_fraction": counted.best_equidistant_fraction,
         "best_equidistant_phase_deg": None if found is None else float(np.degrees(found.best_equidistant_phase)),
         "optimised_fraction": counted.fraction,
+        "equidistant_rms_error_mm": None if found is None else finite(found.equidistant_error_rms),
+        "optimised_rms_error_mm": None if found is None else finite(found.error_rms),
         "bound_fraction": None if certificate is None else certificate.bound_fraction,
         "gap": None if certificate is None else certificate.gap,
         "grid_bound_fraction": None if certificate is None else certificate.grid_bound_fraction,
@@ -104,6 +106,14 @@ def figures(counted: placement.CountResult) -> dict[str, Any]:
         "seconds": None if found is None else round(sum(found.search.seconds.values()), 3),
         "ring_angles_deg": None if found is None else np.degrees(found.angles).tolist(),
     }
+
+
+def _errors(counted: placement.CountResult) -> str:
+    """Errors of the equidistant and the optimised layout; nothing where they are not finite, as of single cameras."""
+    found = counted.placement
+    if found is None or not np.isfinite([found.equidistant_error_rms, found.error_rms]).all():
+        return ""
+    return f"{found.equidistant_error_rms:.4f}, {found.error_rms:.4f}"
 
 
 def in_words(found: placement.Recommendation, of: str) -> str:
@@ -158,8 +168,9 @@ def _print(asked: Request, found: placement.Recommendation, words: str) -> None:
 
 def _count_table(found: placement.Recommendation) -> Table:
     shown = table(
-        "cameras", "equidistant", "equidistant,\nbest phase", "optimised", "bound for\nany layout", "gap", "proven"
-    )
+        "cameras", "equidistant", "equidistant,\nbest phase", "optimised", "RMS error [mm]:\nequidistant, optimised",
+        "bound for\nany layout", "gap", "proven"
+    )  # fmt: skip
     for counted in found.counts:
         certificate = None if counted.placement is None else counted.placement.certificate
         mark = " *" if counted.n_cameras == found.n_cameras else ""
@@ -168,6 +179,7 @@ def _count_table(found: placement.Recommendation) -> Table:
             f"{100 * counted.equidistant_fraction:.2f} %",
             f"{100 * counted.best_equidistant_fraction:.2f} %",
             "do not fit" if counted.fraction is None else f"{100 * counted.fraction:.2f} %",
+            _errors(counted),
             *(
                 ("", "", "")
                 if certificate is None

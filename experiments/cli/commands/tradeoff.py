@@ -10,7 +10,7 @@ import placement
 from exact.workers import background
 from experiments.cli.results_folder import results_folder
 from experiments.figures.tradeoff import write_tradeoff
-from experiments.files.table import write_table
+from experiments.files.table import finite, write_table
 from experiments.request import rig as rig_file
 from experiments.request.request import request
 from experiments.terminal.console import note, print_json, table, terminal
@@ -74,7 +74,7 @@ def _rows(found: placement.TradeOff) -> list[dict[str, Any]]:
             "knee": layout == found.knee,
             "area_mm2": layout.area,
             "fraction_of_ring_maximum": layout.fraction,
-            "rms_error_mm": layout.error_rms if np.isfinite(layout.error_rms) else None,
+            "rms_error_mm": finite(layout.error_rms),
             "ring_angles_deg": np.degrees(layout.angles).tolist(),
         }
         for layout in (*found.layouts, *others)
