@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from exact.cameras import Camera
-from exact.usable.information import information, spread, variance
+from exact.usable.information import of_camera, spread, variance
 from exact.usable.optics import Optics
 from exact.visibility.surface import Surface
 
@@ -37,11 +37,14 @@ class Predictor:
 
     def totals(self, points: np.ndarray, seen: np.ndarray) -> np.ndarray:
         """(N, 6) information [1/mm²] about points (N, 3) [mm] from the cameras that see them, (N, M) bool."""
-        total = np.zeros((len(points), 6))
+        columns, total = np.ascontiguousarray(points.T), np.zeros((6, len(points)))
         for i, camera in enumerate(self.cameras):
             chosen = np.flatnonzero(seen[:, i])
-            total[chosen] += information(points[chosen], [camera], self.optics)[:, 0]
-        return total
+            if 2 * len(chosen) > len(points):  # to pick most of them out takes longer than to compute all
+                total += of_camera(columns, camera, self.optics) * seen[:, i]
+            else:
+                total[:, chosen] += of_camera(columns[:, chosen], camera, self.optics)
+        return total.T
 
     def errors(self, error: str, face: np.ndarray, inner: np.ndarray, seen: np.ndarray) -> np.ndarray:
         """(N,) standard deviation [mm] at points given by face and face coordinates (N, 2), seen by `seen` (N, M)."""
@@ -90,4 +93,9 @@ def sizes(cameras: Sequence[Camera], corner: np.ndarray) -> tuple[np.ndarray, np
     """(N, 3) centres of triangles (N, 3, 3) [mm], and (N,) how far they reach from there beside the nearest camera."""
     centre = corner.mean(axis=1)
     radius = np.linalg.norm(corner - centre[:, None], axis=2).max(axis=1)
-    return centre, radius / np.min([np.linalg.norm(centre - camera.position, axis=1) for camera in cameras], axis=0)
+    return centre, radius / distance_from(cameras, centre)
+
+
+def distance_from(cameras: Sequence[Camera], points: np.ndarray) -> np.ndarray:
+    """(N,) distance of points (N, 3) from the nearest of the cameras [mm]."""
+    return np.min([np.linalg.norm(points - camera.position, axis=1) for camera in cameras], axis=0)

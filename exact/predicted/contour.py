@@ -56,7 +56,7 @@ def accurate_part(bound: ErrorBound, pieces: Pieces, area: float) -> Pieces:
         inside = is_small & (corner.max(axis=1) <= -BEND * bend)
         outside = is_small & (corner.min(axis=1) > BEND * bend) | (at == 1e6).all(axis=1)
         crossed = is_small & (corner <= 0).any(axis=1) & (corner > 0).any(axis=1)
-        kept.append((triangles.piece[inside], _polygons(triangles.corner[inside])))
+        kept.append((triangles.piece[inside], triangles.take(inside).polygons))
         undivided[triangles.piece[~inside]] = False
         index = np.flatnonzero(crossed)
         polygon, miss = _cut(bound, pieces, triangles.take(index), corner[index], surface.areas)
@@ -124,7 +124,3 @@ def _root(bound, pieces, piece, start, end, at_start, at_end) -> np.ndarray:
         low, high = np.where(same, t, low), np.where(same, high, t)
         f_low = f_low_new
     return start + t[:, None] * (end - start)
-
-
-def _polygons(corner: np.ndarray) -> np.ndarray:
-    return np.asarray(shapely.polygons(np.concatenate([corner, corner[:, :1]], axis=1)))
