@@ -195,6 +195,11 @@ class Criterion:
     optics: Optics = Optics()
     bound: ErrorBound | None = None
 
+    @property
+    def by_set(self) -> bool:
+        """Whether parts that different cameras see are always kept apart."""
+        return self.sets or self.bound is not None
+
     def enough(self, seen: np.ndarray) -> np.ndarray:
         """(N,) whether each row of `seen` (N, M) are cameras enough, and far enough apart, whatever the error."""
         enough = np.asarray(seen.sum(axis=1) >= self.threshold)
@@ -213,7 +218,7 @@ class Criterion:
 
     def state(self, seen: np.ndarray, coming: np.ndarray) -> np.ndarray:
         """(N, K) rows that are equal for parts that will meet it by the same future views `coming` (M,)."""
-        if self.sets or self.bound is not None:
+        if self.by_set:
             return seen
         count = np.minimum(seen.sum(axis=1), self.threshold)[:, None]
         if self.far is None:

@@ -16,7 +16,7 @@ import shapely
 
 from exact.cameras import Camera
 from exact.demand import Criterion
-from exact.visibility.clipping import cut_pieces, unite, whole_faces
+from exact.visibility.clipping import cut_pieces, halved_pieces, unite, whole_faces
 from exact.visibility.limits import Usable
 from exact.visibility.occlusion import CUT, WHOLE, Sight, look
 from exact.visibility.projection import project
@@ -250,9 +250,13 @@ def _refine(pieces: Pieces, sights: list[Sight], status, block: np.ndarray, crit
         if not crossed.any():
             continue
         rest, cut = pieces.take(~crossed), pieces.take(crossed)
-        origin, cell, repairs = cut_pieces(cut.face, cut.polygon, sights[k].cuts, sights[k].on_grid[cut.face])
+        asked = cut.face, cut.polygon, sights[k].cuts, sights[k].on_grid[cut.face]
+        if criterion.by_set:
+            origin, cell, repairs, inner = halved_pieces(*asked)
+        else:
+            origin, cell, repairs = cut_pieces(*asked)
+            inner = shapely.get_coordinates(shapely.point_on_surface(cell))
         n_repairs += repairs
-        inner = shapely.get_coordinates(shapely.point_on_surface(cell))
         answer = sights[k].sees(cut.face[origin], inner)
         # A piece all of whose cells got the same answer need not be cut.
         n_cells, n_seen = np.bincount(origin, minlength=len(cut.face)), np.bincount(origin, answer, len(cut.face))
@@ -265,7 +269,7 @@ def _refine(pieces: Pieces, sights: list[Sight], status, block: np.ndarray, crit
         met, cells_met = criterion.met(cut.seen, cut.face), criterion.met(cells.seen, cells.face)
         done += [cut.take(met), cells.take(cells_met)]
         cells = cells.take(~cells_met)
-        if coming.any():
+        if coming.any() and not criterion.by_set:
             cells, repairs = _merged(cells, criterion.state(cells.seen, coming))
             n_repairs += repairs
         pieces = Pieces.joined([rest, cut.take(~met), cells])
