@@ -216,6 +216,18 @@ class Criterion:
         enough[enough] = self.bound.holds_all_over(face[enough], seen[enough])
         return enough
 
+    def settled(self, seen: np.ndarray, possible: np.ndarray, face: np.ndarray) -> np.ndarray:
+        """(N,) whether each row of `seen` (N, M) meets it, or views of the `possible` cameras (N, M) cannot help it to.
+
+        What too few cameras see yet is not settled.
+        """
+        settled = self.met(seen, face)
+        # With fewer cameras known than there will be, nothing is hopeless.
+        if self.bound is not None and len(self.bound.predictor.cameras) == seen.shape[1]:
+            left = np.flatnonzero(self.enough(seen) & ~settled)
+            settled[left] = self.bound.fails_all_over(face[left], possible[left])
+        return settled
+
     def state(self, seen: np.ndarray, coming: np.ndarray) -> np.ndarray:
         """(N, K) rows that are equal for parts that will meet it by the same future views `coming` (M,)."""
         if self.by_set:

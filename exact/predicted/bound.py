@@ -38,7 +38,8 @@ class Predictor:
     def totals(self, points: np.ndarray, seen: np.ndarray) -> np.ndarray:
         """(N, 6) information [1/mm²] about points (N, 3) [mm] from the cameras that see them, (N, M) bool."""
         columns, total = np.ascontiguousarray(points.T), np.zeros((6, len(points)))
-        for i, camera in enumerate(self.cameras):
+        for i in np.flatnonzero(seen.any(axis=0)):
+            camera = self.cameras[i]
             chosen = np.flatnonzero(seen[:, i])
             if 2 * len(chosen) > len(points):  # to pick most of them out takes longer than to compute all
                 total += of_camera(columns, camera, self.optics) * seen[:, i]
@@ -80,13 +81,23 @@ class ErrorBound:
 
     def holds_all_over(self, face: np.ndarray, seen: np.ndarray) -> np.ndarray:
         """(N,) bool: the whole of each face (N,) surely keeps it, seen by the cameras `seen` (N, M)."""
+        at_centre, change = self._over(face, seen)
+        return at_centre + change <= self.largest
+
+    def fails_all_over(self, face: np.ndarray, seen: np.ndarray) -> np.ndarray:
+        """(N,) bool: no point of each face (N,) keeps it, seen by no more than the cameras `seen` (N, M)."""
+        at_centre, change = self._over(face, seen)
+        return at_centre - change > self.largest
+
+    def _over(self, face: np.ndarray, seen: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """(N,) error at the centre of each face, and by how much others on it may differ; inf if that is not known."""
         predictor, surface = self.predictor, self.predictor.surface
         centre, share = sizes(predictor.cameras, surface.vertices[surface.faces[face]])
         total = predictor.totals(centre, seen)
         at_centre = predictor.deviations(self.error, face, total)
         with np.errstate(invalid="ignore"):
-            most = at_centre + CHANGE * share * np.sqrt(np.maximum(spread(total), 0.0))
-        return (share < SMALL) & (most <= self.largest)
+            change = CHANGE * share * np.sqrt(np.maximum(spread(total), 0.0))
+        return np.where(np.isfinite(at_centre), at_centre, 0.0), np.where(share < SMALL, change, np.inf)
 
 
 def sizes(cameras: Sequence[Camera], corner: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

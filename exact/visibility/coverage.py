@@ -18,7 +18,7 @@ from exact.cameras import Camera
 from exact.demand import Criterion
 from exact.visibility.clipping import cut_pieces, halved_pieces, unite, whole_faces
 from exact.visibility.limits import Usable
-from exact.visibility.occlusion import CUT, WHOLE, Sight, look
+from exact.visibility.occlusion import CUT, HIDDEN, WHOLE, Sight, look
 from exact.visibility.projection import project
 from exact.visibility.surface import Surface
 from exact.workers import processes, shares
@@ -221,13 +221,19 @@ def add_views(
         usable = Usable(image, criterion.limits, criterion.optics) if criterion.limits.is_any else None
         sights.append(look(image, active, depth_order, usable))
         # Faces that need no further view are not asked about again.
-        whole = np.flatnonzero(active & ~is_cut)
-        whole_seen[whole, i] = sights[-1].status[whole] == WHOLE
+        more = np.flatnonzero(active & ~is_cut & (sights[-1].status == WHOLE))
+        whole_seen[more, i] = True
         active = active.copy()
-        active[whole] = ~criterion.met(whole_seen[whole], whole)
+        active[more] = ~criterion.met(whole_seen[more], more)
     n_repairs = count.n_repairs + sum(sight.n_repairs for sight in sights)
     status = np.stack([sight.status for sight in sights], axis=1)
     new = np.flatnonzero(active & ~is_cut & (status == CUT).any(axis=1))
+    if criterion.bound is not None:
+        possible = whole_seen[new] | coming
+        possible[:, block] |= status[new] == CUT
+        settled = criterion.settled(whole_seen[new], possible, new)
+        active[new[settled]] = False
+        new = new[~settled]
     pieces = Pieces.joined([count.waiting, Pieces(new, whole_faces(len(new)), whole_seen[new])])
     is_cut[new] = True
     whole_seen[new] = False
@@ -240,12 +246,19 @@ def add_views(
 def _refine(pieces: Pieces, sights: list[Sight], status, block: np.ndarray, criterion: Criterion, coming: np.ndarray):
     """Cut pieces along what each camera of a block sees of them; finished pieces, the others, number of repairs."""
     pieces.seen[:, block] = status[pieces.face] == WHOLE
-    met = criterion.met(pieces.seen, pieces.face)
+
+    def settled(some: Pieces, after: int) -> np.ndarray:
+        """Of pieces that cameras of the block `after` this one may still cut."""
+        possible = some.seen | coming
+        possible[:, block[after:]] |= status[some.face, after:] != HIDDEN
+        return criterion.settled(some.seen, possible, some.face)
+
+    met = settled(pieces, 0)
     done, pieces, n_repairs = [pieces.take(met)], pieces.take(~met), 0
-    coming = coming.copy()
-    coming[block] = True
+    to_come = coming.copy()
+    to_come[block] = True
     for k, camera in enumerate(block):
-        coming[camera] = False
+        to_come[camera] = False
         crossed = status[pieces.face, k] == CUT
         if not crossed.any():
             continue
@@ -266,11 +279,11 @@ def _refine(pieces: Pieces, sights: list[Sight], status, block: np.ndarray, crit
         cells = Pieces(cut.face[origin[of_divided]], cell[of_divided], cut.seen[origin[of_divided]])
         cells.seen[:, camera] = answer[of_divided]
         cut = cut.take(~divided)
-        met, cells_met = criterion.met(cut.seen, cut.face), criterion.met(cells.seen, cells.face)
+        met, cells_met = settled(cut, k + 1), settled(cells, k + 1)
         done += [cut.take(met), cells.take(cells_met)]
         cells = cells.take(~cells_met)
-        if coming.any() and not criterion.by_set:
-            cells, repairs = _merged(cells, criterion.state(cells.seen, coming))
+        if to_come.any() and not criterion.by_set:
+            cells, repairs = _merged(cells, criterion.state(cells.seen, to_come))
             n_repairs += repairs
         pieces = Pieces.joined([rest, cut.take(~met), cells])
     return Pieces.joined(done), pieces, n_repairs
