@@ -2,8 +2,10 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from exact.cameras import Camera
 from exact.usable.information import of_camera, spread, variance
@@ -74,6 +76,12 @@ class ErrorBound:
     largest: float
     error: str
 
+    @cached_property
+    def _faces(self) -> tuple[np.ndarray, np.ndarray]:
+        """`sizes` of all faces."""
+        surface = self.predictor.surface
+        return sizes(self.predictor.cameras, surface.vertices[surface.faces])
+
     def excess(self, face: np.ndarray, inner: np.ndarray, seen: np.ndarray) -> np.ndarray:
         """(N,) by how much an error is greater than the greatest allowed, relatively; at most 1e6."""
         found = self.predictor.errors(self.error, face, inner, seen)
@@ -91,8 +99,8 @@ class ErrorBound:
 
     def _over(self, face: np.ndarray, seen: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(N,) error at the centre of each face, and by how much others on it may differ; inf if that is not known."""
-        predictor, surface = self.predictor, self.predictor.surface
-        centre, share = sizes(predictor.cameras, surface.vertices[surface.faces[face]])
+        predictor = self.predictor
+        centre, share = (of_faces[face] for of_faces in self._faces)
         total = predictor.totals(centre, seen)
         at_centre = predictor.deviations(self.error, face, total)
         with np.errstate(invalid="ignore"):
@@ -109,4 +117,4 @@ def sizes(cameras: Sequence[Camera], corner: np.ndarray) -> tuple[np.ndarray, np
 
 def distance_from(cameras: Sequence[Camera], points: np.ndarray) -> np.ndarray:
     """(N,) distance of points (N, 3) from the nearest of the cameras [mm]."""
-    return np.min([np.linalg.norm(points - camera.position, axis=1) for camera in cameras], axis=0)
+    return np.asarray(cKDTree([camera.position for camera in cameras]).query(points)[0])

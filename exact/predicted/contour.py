@@ -21,6 +21,8 @@ CONTOUR_TOLERANCE = 1e-6
 # A contour may pass through a triangle whose corners are all on one side if one of them is nearer to it than this
 # times what the error at the centre differs from its mean at the corners.
 BEND = 4.0
+# Nearer to the greatest error than this, relatively, is on the contour.
+ON_CONTOUR = 1e-12
 # Triangles are not halved more often than this: a billionth of a side is below anything that counts.
 MOST_DIVISIONS = 30
 
@@ -118,6 +120,8 @@ def _root(bound, pieces, piece, start, end, at_start, at_end) -> np.ndarray:
         difference = f_high - f_low
         t = np.where(difference != 0, low - f_low * (high - low) / np.where(difference == 0, 1, difference), t)
         value = _at(bound, pieces, piece, start + t[:, None] * (end - start))
+        if np.abs(value).max(initial=0.0) < ON_CONTOUR:
+            break
         same = (value > 0) == (f_low > 0)
         f_high = np.where(same, f_high / 2, value)
         f_low_new = np.where(same, value, f_low / 2)

@@ -15,6 +15,8 @@ from exact.usable.optics import Optics
 
 # Rows and columns of the six distinct numbers of a symmetric (3, 3) matrix.
 ROWS, COLUMNS = np.array([0, 0, 0, 1, 1, 2]), np.array([0, 1, 2, 1, 2, 2])
+# Of which axes of a camera, right, down and look, its information has products: the five numbers in its own axes.
+FIRST, SECOND = np.array([0, 1, 0, 1, 2]), np.array([0, 1, 2, 2, 2])
 # Below this part of the cube of its trace a determinant is rounding: the cameras do not triangulate.
 SINGULAR = 1e-14
 
@@ -48,10 +50,14 @@ def of_camera(points: np.ndarray, camera: Camera, optics: Optics) -> np.ndarray:
     numbers[0], numbers[1] = wide * squared, high * squared
     numbers[2], numbers[3] = -x * numbers[0], -y * numbers[1]
     numbers[4] = -x * numbers[2] - y * numbers[3]
-    right, down, look = camera.rotation
-    pairs = ((right, right), (down, down), (right, look), (down, look), (look, look))
-    products = [np.outer(one, two) if one is two else np.outer(one, two) + np.outer(two, one) for one, two in pairs]
-    return np.einsum("ij,jn->in", np.stack([product[ROWS, COLUMNS] for product in products], axis=1), numbers)
+    return np.einsum("in,ij->jn", numbers, _symmetric(camera.rotation[FIRST], camera.rotation[SECOND]))
+
+
+def _symmetric(one: np.ndarray, two: np.ndarray) -> np.ndarray:
+    """(N, 6) distinct numbers of the products of vectors (N, 3), plus the transposes of those of two different ones."""
+    product = one[:, ROWS] * two[:, COLUMNS]
+    turned = one[:, COLUMNS] * two[:, ROWS]
+    return product + np.where((FIRST == SECOND)[:, None], 0.0, turned)
 
 
 def variance(total: np.ndarray, direction: np.ndarray) -> np.ndarray:

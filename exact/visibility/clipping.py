@@ -200,10 +200,11 @@ def _halved(corners: np.ndarray, count: np.ndarray, start: np.ndarray, end: np.n
     )
     met = np.minimum(high, length[parted]) - np.maximum(low, 0.0) > GRID_SIZE
     halves, numbers = [], []
+    room = 2 * corners.shape[1]
     for sign in (1.0, -1.0):
         # Each corner on this side, followed by the crossing of the side that begins there, if there is one.
-        given = np.stack([there & (sign * side >= 0), crosses], axis=2)[met].reshape(met.sum(), -1)
-        points = np.stack([corners, crossing], axis=2)[met].reshape(met.sum(), -1, 2)
+        given = np.stack([there & (sign * side >= 0), crosses], axis=2)[met].reshape(-1, room)
+        points = np.stack([corners, crossing], axis=2)[met].reshape(-1, room, 2)
         number = given.sum(axis=1)
         half = np.zeros((len(number), int(number.max(initial=0)), 2))
         which, _ = np.nonzero(given)
