@@ -1,20 +1,23 @@
 """Where on a surface given cameras reconstruct points to a given error."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
+from scipy.sparse import csr_array
 from scipy.spatial import cKDTree
 
 from exact.cameras import Camera
-from exact.usable.information import of_camera, spread, variance
+from exact.usable.information import information, of_camera, spread, variance
 from exact.usable.optics import Optics
 from exact.visibility.surface import Surface
 
 # Within a distance r of a point at depth z an error changes by less than this times r / z of the greatest error of any
 # direction: depth and the angles between rays change by r / z, and the directions of the rays by as many radians.
 CHANGE = 10.0
+# Pairs of a face and a camera whose information is kept: 100 MB.
+MOST_KEPT = 2_000_000
 # Beyond this r / z that is not relied on.
 SMALL = 0.02
 
@@ -75,6 +78,7 @@ class ErrorBound:
     predictor: Predictor
     largest: float
     error: str
+    _kept: dict = field(default_factory=dict, repr=False)
 
     @cached_property
     def _faces(self) -> tuple[np.ndarray, np.ndarray]:
@@ -101,11 +105,41 @@ class ErrorBound:
         """(N,) error at the centre of each face, and by how much others on it may differ; inf if that is not known."""
         predictor = self.predictor
         centre, share = (of_faces[face] for of_faces in self._faces)
-        total = predictor.totals(centre, seen)
+        known = self._known(face)
+        if known is None:
+            total = predictor.totals(centre, seen)
+        else:
+            row, camera = np.nonzero(seen)
+            faces, of_cameras = known
+            which = np.searchsorted(faces, face)[row] * len(predictor.cameras) + camera
+            begins = np.searchsorted(row, np.arange(len(face) + 1))
+            chosen = csr_array((np.ones(len(row)), which, begins), shape=(len(face), len(of_cameras)))
+            total = chosen @ of_cameras
         at_centre = predictor.deviations(self.error, face, total)
         with np.errstate(invalid="ignore"):
             change = CHANGE * share * np.sqrt(np.maximum(spread(total), 0.0))
         return np.where(np.isfinite(at_centre), at_centre, 0.0), np.where(share < SMALL, change, np.inf)
+
+    def _known(self, face: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
+        """Faces with these among them, ascending, and what each camera tells about their centres, (F * M, 6).
+
+        None if that were too much to keep. It is kept, since the same faces are asked about again and again.
+        """
+        surface, cameras = self.predictor.surface, self.predictor.cameras
+        faces, told = self._kept.get("told", (np.zeros(0, dtype=int), np.zeros((0, len(cameras), 6))))
+        new = np.setdiff1d(face, faces)
+        if len(new) * len(cameras) > MOST_KEPT:
+            return None
+        if (len(faces) + len(new)) * len(cameras) > MOST_KEPT:
+            faces, told = faces[:0], told[:0]
+            new = np.unique(face)
+        if len(new):
+            points = surface.vertices[surface.faces[new]].mean(axis=1)
+            order = np.argsort(np.concatenate([faces, new]), kind="stable")
+            faces = np.concatenate([faces, new])[order]
+            told = np.concatenate([told, information(points, cameras, self.predictor.optics)])[order]
+            self._kept["told"] = faces, told
+        return faces, told.reshape(-1, 6)
 
 
 def sizes(cameras: Sequence[Camera], corner: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
