@@ -195,6 +195,11 @@ class Criterion:
     optics: Optics = Optics()
     bound: ErrorBound | None = None
 
+    @property
+    def by_set(self) -> bool:
+        """Whether parts that different cameras see are always kept apart."""
+        return self.sets or self.bound is not None
+
     def enough(self, seen: np.ndarray) -> np.ndarray:
         """(N,) whether each row of `seen` (N, M) are cameras enough, and far enough apart, whatever the error."""
         enough = np.asarray(seen.sum(axis=1) >= self.threshold)
@@ -211,9 +216,21 @@ class Criterion:
         enough[enough] = self.bound.holds_all_over(face[enough], seen[enough])
         return enough
 
+    def settled(self, seen: np.ndarray, possible: np.ndarray, face: np.ndarray) -> np.ndarray:
+        """(N,) whether each row of `seen` (N, M) meets it, or views of the `possible` cameras (N, M) cannot help it to.
+
+        What too few cameras see yet is not settled.
+        """
+        settled = self.met(seen, face)
+        # With fewer cameras known than there will be, nothing is hopeless.
+        if self.bound is not None and len(self.bound.predictor.cameras) == seen.shape[1]:
+            left = np.flatnonzero(self.enough(seen) & ~settled)
+            settled[left] = self.bound.fails_all_over(face[left], possible[left])
+        return settled
+
     def state(self, seen: np.ndarray, coming: np.ndarray) -> np.ndarray:
         """(N, K) rows that are equal for parts that will meet it by the same future views `coming` (M,)."""
-        if self.sets or self.bound is not None:
+        if self.by_set:
             return seen
         count = np.minimum(seen.sum(axis=1), self.threshold)[:, None]
         if self.far is None:

@@ -124,22 +124,29 @@ class Reconstruction:
         ExactError
             If it is not positive.
         """
-        most = max_error if self.demand.max_error is None else min(max_error, self.demand.max_error)
-        demand = replace(self.demand, max_error=most)
+        demand = replace(self.demand, max_error=max_error)
+        if self.demand.max_error is not None and max_error >= self.demand.max_error:
+            return self.area
         surface, criterion = self.scene.surface, demand.of(self._cameras, self.scene.surface)
         met = reconstructed(surface, self.scene.counted, self._all_views, criterion)
         return float(self.scene.worth(area_by_face(surface, *met)))
 
     @cached_property
     def _all_views(self) -> Tally:
-        """The surface cut where the set of cameras that see it changes."""
-        scene, criterion = self.scene, every_view(self.demand, self._cameras)
-        return tally(scene.surface, self._cameras, criterion, scene.counted, workers=1, lit=scene.lit)
+        """What is reconstructed, cut where the set of cameras that see it changes; of the rest nothing is said."""
+        surface, (whole, pieces) = self.scene.surface, self._met
+        is_cut = np.zeros_like(whole)
+        is_cut[pieces.face] = True
+        seen = np.ones((len(pieces.face), 1), dtype=bool)
+        part = Tally(whole[:, None], is_cut, Pieces(pieces.face, pieces.polygon, seen), 0)
+        return tally(
+            surface, self._cameras, every_view(self.demand, self._cameras), whole | is_cut, workers=1, lit=part
+        )
 
     @cached_property
     def _accurate(self) -> tuple[np.ndarray, Pieces]:
         """As `_met`, cut where the set of cameras changes."""
-        criterion = self.demand.of(self._cameras, self.scene.surface)
+        criterion = replace(self.demand.of(self._cameras, self.scene.surface), bound=None)
         return reconstructed(self.scene.surface, self.scene.counted, self._all_views, criterion)
 
     def to_mesh(self, level: int | None = None, errors: bool = False) -> "trimesh.Trimesh":

@@ -21,6 +21,8 @@ CONTOUR_TOLERANCE = 1e-6
 # A contour may pass through a triangle whose corners are all on one side if one of them is nearer to it than this
 # times what the error at the centre differs from its mean at the corners.
 BEND = 4.0
+# Nearer to the greatest error than this, relatively, is on the contour.
+ON_CONTOUR = 1e-12
 # Triangles are not halved more often than this: a billionth of a side is below anything that counts.
 MOST_DIVISIONS = 30
 
@@ -56,7 +58,7 @@ def accurate_part(bound: ErrorBound, pieces: Pieces, area: float) -> Pieces:
         inside = is_small & (corner.max(axis=1) <= -BEND * bend)
         outside = is_small & (corner.min(axis=1) > BEND * bend) | (at == 1e6).all(axis=1)
         crossed = is_small & (corner <= 0).any(axis=1) & (corner > 0).any(axis=1)
-        kept.append((triangles.piece[inside], _polygons(triangles.corner[inside])))
+        kept.append((triangles.piece[inside], triangles.take(inside).polygons))
         undivided[triangles.piece[~inside]] = False
         index = np.flatnonzero(crossed)
         polygon, miss = _cut(bound, pieces, triangles.take(index), corner[index], surface.areas)
@@ -118,13 +120,11 @@ def _root(bound, pieces, piece, start, end, at_start, at_end) -> np.ndarray:
         difference = f_high - f_low
         t = np.where(difference != 0, low - f_low * (high - low) / np.where(difference == 0, 1, difference), t)
         value = _at(bound, pieces, piece, start + t[:, None] * (end - start))
+        if np.abs(value).max(initial=0.0) < ON_CONTOUR:
+            break
         same = (value > 0) == (f_low > 0)
         f_high = np.where(same, f_high / 2, value)
         f_low_new = np.where(same, value, f_low / 2)
         low, high = np.where(same, t, low), np.where(same, high, t)
         f_low = f_low_new
     return start + t[:, None] * (end - start)
-
-
-def _polygons(corner: np.ndarray) -> np.ndarray:
-    return np.asarray(shapely.polygons(np.concatenate([corner, corner[:, :1]], axis=1)))

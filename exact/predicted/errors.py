@@ -5,17 +5,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from exact.predicted.bound import Predictor, sizes
+from exact.predicted.bound import Predictor
+from exact.predicted.moments import Moments
 from exact.predicted.triangles import Triangles
+from exact.visibility.clipping import whole_faces
 from exact.visibility.coverage import Pieces
-from exact.visibility.projection import UNIT_FRAME
 from exact.visibility.triangulated import triangles_in
 
-# Triangles are quartered until they are smaller than this beside their distance from the cameras; of those that are
-# smaller still their centre speaks for all, to a millionth.
-FINE, TINY = 0.004, 0.0015
-# Points of a triangle that integrate quadratic functions exactly, each with a third of its area.
-NODES = np.array([[2 / 3, 1 / 6, 1 / 6], [1 / 6, 2 / 3, 1 / 6], [1 / 6, 1 / 6, 2 / 3]])
+# Pieces are divided until their points are, root mean square, nearer to their centroid than this part of the distance
+# from the cameras; of those that are smaller still the centroid speaks for all, to a millionth.
+FINE, TINY = 0.006, 0.0005
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,39 +56,32 @@ class Errors:
 def errors_over(predictor: Predictor, whole: np.ndarray, whole_seen: np.ndarray, pieces: Pieces, weights) -> Errors:
     """Errors over the faces `whole` (W,), seen by `whole_seen` (W, M), and over pieces; `weights` (F,) or None."""
     surface = predictor.surface
-    face, seen = np.concatenate([whole, pieces.face]), np.concatenate([whole_seen, pieces.seen])
-    piece, corner = triangles_in(pieces.polygon)
-    unit = np.broadcast_to(UNIT_FRAME, (len(whole), 3, 2))
-    piece = np.concatenate([np.arange(len(whole)), len(whole) + piece])
-    triangles, is_tiny = _small(predictor, face, Triangles(piece, np.concatenate([unit, corner])))
-    tiny, others = triangles.take(is_tiny), triangles.take(~is_tiny)
-    nodes = np.einsum("nk,tki->tni", NODES, others.corner).reshape(-1, 2)
-    inner = np.concatenate([tiny.corner.mean(axis=1), nodes])
-    piece = np.concatenate([tiny.piece, np.repeat(others.piece, 3)])
-    face, seen = face[piece], seen[piece]
-    shares = np.concatenate([_shares(tiny.corner), np.repeat(_shares(others.corner) / 3, 3)])
-    area = surface.areas[face] * shares if weights is None else surface.areas[face] * shares * weights[face]
-    total = predictor.totals(surface.points(face, inner), seen)
+    everything = Pieces.joined([Pieces(whole, whole_faces(len(whole)), whole_seen), pieces])
+    owner, moments = _small(predictor, everything)
+    face = everything.face[owner]
+    is_tiny = moments.sizes(predictor, face) < TINY
+    one, three = moments.take(is_tiny), moments.take(~is_tiny)
+    inner = np.concatenate([one.centre, three.nodes.reshape(-1, 2)])
+    which = np.concatenate([np.flatnonzero(is_tiny), np.repeat(np.flatnonzero(~is_tiny), 3)])
+    face, share = face[which], np.concatenate([one.share, np.repeat(three.share / 3, 3)])
+    area = surface.areas[face] * share if weights is None else surface.areas[face] * share * weights[face]
+    total = predictor.totals(surface.points(face, inner), everything.seen[owner[which]])
     depth, normal = (predictor.deviations(error, face, total) for error in ("depth", "normal"))
     return Errors(depth, normal, area)
 
 
-def _shares(corner: np.ndarray) -> np.ndarray:
-    """(N,) what part of their faces triangles (N, 3, 2) are."""
-    one, two = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
-    return np.abs(one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0])
-
-
-def _small(predictor: Predictor, face: np.ndarray, triangles: Triangles) -> tuple[Triangles, np.ndarray]:
-    """The same triangles, quartered until they are small beside their distance from the cameras, and which are tiny."""
-    done, is_tiny = [], []
-    while True:
-        _, size = sizes(predictor.cameras, triangles.points(predictor.surface, face))
-        is_small = size <= FINE
-        done.append(triangles.take(is_small))
-        is_tiny.append(size[is_small] < TINY)
-        if is_small.all():
-            break
+def _small(predictor: Predictor, pieces: Pieces) -> tuple[np.ndarray, Moments]:
+    """Moments of pieces and, of those that are large beside their distance from the cameras, of parts; and whose."""
+    moments = Moments.of(pieces.polygon)
+    is_small = moments.sizes(predictor, pieces.face) <= FINE
+    large = np.flatnonzero(~is_small)
+    owner, found = [np.flatnonzero(is_small)], [moments.take(is_small)]
+    piece, corner = triangles_in(pieces.polygon[large])
+    triangles = Triangles(large[piece], corner)
+    while len(triangles.piece):
+        moments = Moments.of_triangles(triangles.corner)
+        is_small = moments.sizes(predictor, pieces.face[triangles.piece]) <= FINE
+        owner.append(triangles.piece[is_small])
+        found.append(moments.take(is_small))
         triangles = triangles.take(~is_small).quartered()
-    piece, corner = (np.concatenate([getattr(part, name) for part in done]) for name in ("piece", "corner"))
-    return Triangles(piece, corner), np.concatenate(is_tiny)
+    return np.concatenate(owner), Moments.joined(found)

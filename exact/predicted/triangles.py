@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+import shapely
 
 from exact.visibility.surface import Surface
 
@@ -24,6 +25,11 @@ class Triangles:
         ab, bc, ca = (a + b) / 2, (b + c) / 2, (c + a) / 2
         parts = [(a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca)]
         return Triangles(np.tile(self.piece, 4), np.concatenate([np.stack(part, axis=1) for part in parts]))
+
+    @property
+    def polygons(self) -> np.ndarray:
+        """(N,) polygons."""
+        return np.asarray(shapely.polygons(np.concatenate([self.corner, self.corner[:, :1]], axis=1)))
 
     def points(self, surface: Surface, face: np.ndarray) -> np.ndarray:
         """(N, 3, 3) their corners in space [mm], where `face` are the faces of all pieces."""

@@ -15,6 +15,8 @@ from exact.usable.optics import Optics
 
 # Rows and columns of the six distinct numbers of a symmetric (3, 3) matrix.
 ROWS, COLUMNS = np.array([0, 0, 0, 1, 1, 2]), np.array([0, 1, 2, 1, 2, 2])
+# Of which axes of a camera, right, down and look, its information has products: the five numbers in its own axes.
+FIRST, SECOND = np.array([0, 1, 0, 1, 2]), np.array([0, 1, 2, 2, 2])
 # Below this part of the cube of its trace a determinant is rounding: the cameras do not triangulate.
 SINGULAR = 1e-14
 
@@ -30,30 +32,32 @@ def information(points: np.ndarray, cameras: Sequence[Camera], optics: Optics) -
     >>> information(np.zeros((1, 3)), [camera], Optics())[0, 0].tolist()  # (100 px/mm / 0.5 px)² across, none along
     [40000.0, 0.0, 0.0, 40000.0, 0.0, 0.0]
     """
-    return np.stack([_of_camera(points, camera, optics) for camera in cameras], axis=1)
+    return np.stack([of_camera(points.T, camera, optics).T for camera in cameras], axis=1)
 
 
-def _of_camera(points: np.ndarray, camera: Camera, optics: Optics) -> np.ndarray:
-    """(N, 6) the same of one camera: JᵀJ in its own axes has five distinct numbers, and turns with R as they do."""
-    x, y, depth = camera.rotation @ (points - camera.position).T
+def of_camera(points: np.ndarray, camera: Camera, optics: Optics) -> np.ndarray:
+    """(6, N) the same of one camera about points (3, N): JᵀJ has five numbers in its axes, and turns with R.
+
+    By einsum, not BLAS: for matrices this thin, threads that wait for each other cost more than they bring.
+    """
+    x, y, depth = np.einsum("ij,jn->in", camera.rotation, points) - (camera.rotation @ camera.position)[:, None]
     inverse = np.divide(1.0, depth, out=np.zeros_like(depth), where=depth > 0)
     wide, high = (optics.focal(camera) / optics.match_noise) ** 2
-    along_x, along_y = x * inverse, y * inverse
+    x *= inverse
+    y *= inverse
     squared = inverse * inverse
-    numbers = np.stack(
-        [
-            wide * squared,
-            high * squared,
-            -wide * along_x * squared,
-            -high * along_y * squared,
-            (wide * along_x**2 + high * along_y**2) * squared,
-        ],
-        axis=1,
-    )
-    right, down, look = camera.rotation
-    pairs = ((right, right), (down, down), (right, look), (down, look), (look, look))
-    products = [np.outer(one, two) if one is two else np.outer(one, two) + np.outer(two, one) for one, two in pairs]
-    return numbers @ np.stack([product[ROWS, COLUMNS] for product in products])
+    numbers = np.empty((5, len(depth)))
+    numbers[0], numbers[1] = wide * squared, high * squared
+    numbers[2], numbers[3] = -x * numbers[0], -y * numbers[1]
+    numbers[4] = -x * numbers[2] - y * numbers[3]
+    return np.einsum("in,ij->jn", numbers, _symmetric(camera.rotation[FIRST], camera.rotation[SECOND]))
+
+
+def _symmetric(one: np.ndarray, two: np.ndarray) -> np.ndarray:
+    """(N, 6) distinct numbers of the products of vectors (N, 3), plus the transposes of those of two different ones."""
+    product = one[:, ROWS] * two[:, COLUMNS]
+    turned = one[:, COLUMNS] * two[:, ROWS]
+    return product + np.where((FIRST == SECOND)[:, None], 0.0, turned)
 
 
 def variance(total: np.ndarray, direction: np.ndarray) -> np.ndarray:
@@ -61,7 +65,7 @@ def variance(total: np.ndarray, direction: np.ndarray) -> np.ndarray:
 
     Infinite where the information does not suffice, as that of a single camera.
     """
-    xx, xy, xz, yy, yz, zz = np.moveaxis(total, -1, 0)
+    xx, xy, xz, yy, yz, zz = np.ascontiguousarray(total.T)
     u, v, w = np.moveaxis(direction, -1, 0)
     cofactor = yy * zz - yz * yz, xz * yz - xy * zz, xy * yz - xz * yy
     determinant = xx * cofactor[0] + xy * cofactor[1] + xz * cofactor[2]

@@ -19,6 +19,9 @@ OUTLINE_TOLERANCE = 3e-11
 GRID_SIZE = 1e-12
 # Pieces that make up more than their face by this part of it overlap: what rounding adds is far less.
 OVERLAP = 1e-10
+# Pieces with more corners, or crossed by more segments of their face, are not cut line by line.
+MOST_CORNERS, MOST_HALVINGS = 12, 6
+POLYGON = 3
 # Gaps narrower than this part of the face are rounding, not shape.
 NECK = 1e-9
 
@@ -84,6 +87,138 @@ def cut_pieces(face: np.ndarray, piece: np.ndarray, cuts: Cuts, on_grid: np.ndar
     cell = np.concatenate([whole, first_try[1][keep], second_try[1]])
     order = np.argsort(origin, kind="stable")
     return origin[order], cell[order], len(failed)
+
+
+def halved_pieces(face: np.ndarray, piece: np.ndarray, cuts: Cuts, on_grid: np.ndarray):
+    """Cut pieces as `cut_pieces` does, convex ones that few segments cross by whole lines: faster, in more cells.
+
+    A segment that meets a convex cell halves it along its line. What it cuts off beyond its end does no harm, since
+    each cell is asked for itself.
+
+    Parameters
+    ----------
+    face, piece, cuts, on_grid
+        As of `cut_pieces`.
+
+    Returns
+    -------
+    origin, cell, n_repairs
+        As of `cut_pieces`.
+    inner : (C, 2) float
+        A point inside each cell.
+    """
+    corners, count = _convex(piece)
+    first, last = np.searchsorted(cuts.face, face, "left"), np.searchsorted(cuts.face, face, "right")
+    simple = (count > 0) & (last - first <= MOST_HALVINGS) & ~on_grid
+    rest = np.flatnonzero(~simple)
+    origin, cell, n_repairs = cut_pieces(face[rest], piece[rest], cuts, on_grid[rest])
+    inner = shapely.get_coordinates(shapely.point_on_surface(cell))
+    owner = np.flatnonzero(simple)
+    corners, count = corners[owner], count[owner]
+    for k in range(int((last - first)[simple].max(initial=0))):
+        which = np.flatnonzero(first[owner] + k < last[owner])
+        at = first[owner[which]] + k
+        parted, halves, n_corners = _halved(corners[which], count[which], cuts.start[at], cuts.end[at])
+        parted = which[parted]
+        width = max(corners.shape[1], halves.shape[2])
+        corners, halves = _widened(corners, width), _widened(halves, width)
+        corners[parted], count[parted] = halves[0], n_corners[0]
+        owner = np.concatenate([owner, owner[parted]])
+        corners, count = np.concatenate([corners, halves[1]]), np.concatenate([count, n_corners[1]])
+    there = np.arange(corners.shape[1]) < count[:, None]
+    middle = (corners * there[:, :, None]).sum(axis=1) / count[:, None]
+    outline = np.concatenate([corners, corners[:, :1]], axis=1)
+    ends = np.arange(len(count)), count
+    outline[ends] = corners[:, 0]
+    drawn = np.arange(outline.shape[1]) <= count[:, None]
+    ring = shapely.linearrings(outline[drawn], indices=np.repeat(np.arange(len(count)), count + 1))
+    origin = np.concatenate([rest[origin], owner])
+    order = np.argsort(origin, kind="stable")
+    cell, inner = np.concatenate([cell, shapely.polygons(ring)])[order], np.concatenate([inner, middle])[order]
+    return origin[order], cell, n_repairs, inner
+
+
+def _convex(piece: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(N, K, 2) corners of polygons in order, and how many, (N,); 0 of those that are not convex or have too many."""
+    n_points = shapely.get_num_coordinates(piece)
+    fit = (shapely.get_type_id(piece) == POLYGON) & (shapely.get_num_interior_rings(piece) == 0)
+    fit &= (n_points > 3) & (n_points <= MOST_CORNERS + 1)
+    chosen = np.flatnonzero(fit)
+    point, owner = shapely.get_coordinates(piece[chosen], return_index=True)
+    count = n_points[chosen] - 1
+    place = counting(n_points[chosen])
+    is_corner = place < count[owner]
+    corners = np.zeros((len(piece), MOST_CORNERS, 2))
+    corners[chosen[owner[is_corner]], place[is_corner]] = point[is_corner]
+    here = corners[chosen]
+    ahead = here[np.arange(len(chosen))[:, None], (np.arange(MOST_CORNERS) + 1) % count[:, None]]
+    side = ahead - here
+    after = side[np.arange(len(chosen))[:, None], (np.arange(MOST_CORNERS) + 1) % count[:, None]]
+    turn = side[:, :, 0] * after[:, :, 1] - side[:, :, 1] * after[:, :, 0]
+    turn[np.arange(MOST_CORNERS) >= count[:, None]] = 0.0
+    number = np.zeros(len(piece), dtype=int)
+    is_convex = (turn >= 0).all(axis=1) | (turn <= 0).all(axis=1)
+    number[chosen] = np.where(is_convex, count, 0)
+    return corners, number
+
+
+def _halved(corners: np.ndarray, count: np.ndarray, start: np.ndarray, end: np.ndarray):
+    """Convex polygons (N, K, 2) with so many corners (N,), parted by the lines of segments that meet them.
+
+    Returns
+    -------
+    parted : (P,) int
+        Those that their segment meets inside.
+    halves : (2, P, K', 2) float
+    n_corners : (2, P) int
+    """
+    along = end - start
+    length = np.hypot(along[:, 0], along[:, 1])
+    along = along / np.maximum(length, 1e-300)[:, None]
+    there = np.arange(corners.shape[1]) < count[:, None]
+    away = corners - start[:, None]
+    side = along[:, None, 0] * away[:, :, 1] - along[:, None, 1] * away[:, :, 0]
+    side[np.abs(side) <= GRID_SIZE] = 0.0
+    side[~there] = 0.0
+    parted = np.flatnonzero((side > 0).any(axis=1) & (side < 0).any(axis=1) & (length > 0))
+    corners, count, there, side, away = corners[parted], count[parted], there[parted], side[parted], away[parted]
+    row = np.arange(len(parted))[:, None]
+    onwards = (np.arange(corners.shape[1]) + 1) % count[:, None]
+    other = side[row, onwards]
+    crosses = there & (side * other < 0)
+    share = np.divide(side, side - other, out=np.zeros_like(side), where=crosses)[:, :, None]
+    crossing = corners + share * (corners[row, onwards] - corners)
+    # Where the line enters and leaves the polygon: at corners on it or crossings of sides.
+    place = (away * along[parted][:, None]).sum(axis=2)
+    place_of_crossing = ((crossing - start[parted][:, None]) * along[parted][:, None]).sum(axis=2)
+    on_line = there & (side == 0)
+    low = np.minimum(
+        np.where(on_line, place, np.inf).min(axis=1), np.where(crosses, place_of_crossing, np.inf).min(axis=1)
+    )
+    high = np.maximum(
+        np.where(on_line, place, -np.inf).max(axis=1), np.where(crosses, place_of_crossing, -np.inf).max(axis=1)
+    )
+    met = np.minimum(high, length[parted]) - np.maximum(low, 0.0) > GRID_SIZE
+    halves, numbers = [], []
+    room = 2 * corners.shape[1]
+    for sign in (1.0, -1.0):
+        # Each corner on this side, followed by the crossing of the side that begins there, if there is one.
+        given = np.stack([there & (sign * side >= 0), crosses], axis=2)[met].reshape(-1, room)
+        points = np.stack([corners, crossing], axis=2)[met].reshape(-1, room, 2)
+        number = given.sum(axis=1)
+        half = np.zeros((len(number), int(number.max(initial=0)), 2))
+        which, _ = np.nonzero(given)
+        half[which, counting(number)] = points[given]
+        halves.append(half)
+        numbers.append(number)
+    width = max(half.shape[1] for half in halves)
+    return parted[met], np.stack([_widened(half, width) for half in halves]), np.stack(numbers)
+
+
+def _widened(corners: np.ndarray, width: int) -> np.ndarray:
+    """(..., width, 2) corners with room for more."""
+    room = [(0, 0)] * (corners.ndim - 2) + [(0, width - corners.shape[-2]), (0, 0)]
+    return np.pad(corners, room) if width > corners.shape[-2] else corners
 
 
 def unite(group: np.ndarray, polygon: np.ndarray):

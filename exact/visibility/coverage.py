@@ -16,9 +16,9 @@ import shapely
 
 from exact.cameras import Camera
 from exact.demand import Criterion
-from exact.visibility.clipping import cut_pieces, unite, whole_faces
+from exact.visibility.clipping import cut_pieces, halved_pieces, unite, whole_faces
 from exact.visibility.limits import Usable
-from exact.visibility.occlusion import CUT, WHOLE, Sight, look
+from exact.visibility.occlusion import CUT, HIDDEN, WHOLE, Sight, look
 from exact.visibility.projection import project
 from exact.visibility.surface import Surface
 from exact.workers import processes, shares
@@ -91,6 +91,8 @@ class Count:
         Those that do not meet the criterion yet.
     done : tuple of Pieces
     n_repairs : int
+    within_sight : (F, M) bool or None
+        Cameras that see some of each active face, if that is known.
     """
 
     active: np.ndarray
@@ -99,6 +101,11 @@ class Count:
     waiting: Pieces
     done: tuple[Pieces, ...]
     n_repairs: int
+    within_sight: np.ndarray | None = None
+
+    def possible(self, face: np.ndarray, seen: np.ndarray, coming: np.ndarray) -> np.ndarray:
+        """(N, M) cameras that may see parts of faces (N,), seen by `seen` (N, M), once all `coming` (M,) are added."""
+        return seen | coming if self.within_sight is None else seen | coming & self.within_sight[face]
 
     @staticmethod
     def start(active: np.ndarray, n_cameras: int, lit: Tally | None = None) -> "Count":
@@ -176,6 +183,8 @@ def _tally(
     report: Callable[[int], object] | None = None,
 ) -> Tally:
     count = Count.start(active, len(cameras), lit)
+    if criterion.bound is not None and len(cameras) > BLOCK:
+        count = _looked_through(count, surface, cameras, criterion, depth_order)
     coming = np.ones(len(cameras), dtype=bool)
     for block in np.split(spread_order(cameras), range(BLOCK, len(cameras), BLOCK)):
         coming[block] = False
@@ -185,6 +194,46 @@ def _tally(
         if not count.active.any():
             break
     return count.tally()
+
+
+def _looked_through(
+    count: Count, surface: Surface, cameras: Sequence[Camera], criterion: Criterion, depth_order: str
+) -> Count:
+    """Count the views of whole faces by all cameras, and find out which cameras see some of the others.
+
+    Where errors are bounded, parts that different cameras see are not merged, and of many cameras each cuts off another
+    strip of what lies in half shadow. So faces that some cameras see whole often enough are not cut first, and what
+    those that see anything of it cannot make accurate enough is left alone.
+    """
+    active, whole_seen = count.active, count.whole_seen.copy()
+    within_sight = np.zeros_like(whole_seen)
+    n_repairs = count.n_repairs
+    for i in spread_order(cameras):
+        sight = _look(surface, cameras[i], active, criterion, depth_order)
+        n_repairs += sight.n_repairs
+        within_sight[:, i] = sight.status != HIDDEN
+        active = _counted_whole(active & ~count.is_cut, whole_seen, sight, i, criterion) | active & count.is_cut
+    uncut = np.flatnonzero(active & ~count.is_cut)
+    settled = criterion.settled(whole_seen[uncut], whole_seen[uncut] | within_sight[uncut], uncut)
+    active[uncut[settled]] = False
+    return Count(active, whole_seen, count.is_cut, count.waiting, count.done, n_repairs, within_sight)
+
+
+def _look(surface: Surface, camera: Camera, active: np.ndarray, criterion: Criterion, depth_order: str) -> Sight:
+    image = project(surface, camera)
+    usable = Usable(image, criterion.limits, criterion.optics) if criterion.limits.is_any else None
+    return look(image, active, depth_order, usable)
+
+
+def _counted_whole(
+    active: np.ndarray, whole_seen: np.ndarray, sight: Sight, camera: int, criterion: Criterion
+) -> np.ndarray:
+    """Note which of the `active` faces, all uncut, a camera sees whole; which still wait for views, (F,) bool."""
+    more = np.flatnonzero(active & (sight.status == WHOLE) & ~whole_seen[:, camera])
+    whole_seen[more, camera] = True
+    active = active.copy()
+    active[more] = ~criterion.met(whole_seen[more], more)
+    return active
 
 
 @contextmanager
@@ -217,42 +266,54 @@ def add_views(
     active, whole_seen, is_cut = count.active, count.whole_seen.copy(), count.is_cut.copy()
     sights: list[Sight] = []
     for i in block:
-        image = project(surface, cameras[i])
-        usable = Usable(image, criterion.limits, criterion.optics) if criterion.limits.is_any else None
-        sights.append(look(image, active, depth_order, usable))
+        sights.append(_look(surface, cameras[i], active, criterion, depth_order))
         # Faces that need no further view are not asked about again.
-        whole = np.flatnonzero(active & ~is_cut)
-        whole_seen[whole, i] = sights[-1].status[whole] == WHOLE
-        active = active.copy()
-        active[whole] = ~criterion.met(whole_seen[whole], whole)
+        active = _counted_whole(active & ~is_cut, whole_seen, sights[-1], i, criterion) | active & is_cut
     n_repairs = count.n_repairs + sum(sight.n_repairs for sight in sights)
     status = np.stack([sight.status for sight in sights], axis=1)
     new = np.flatnonzero(active & ~is_cut & (status == CUT).any(axis=1))
+    if criterion.bound is not None:
+        possible = count.possible(new, whole_seen[new], coming)
+        possible[:, block] |= status[new] == CUT
+        settled = criterion.settled(whole_seen[new], possible, new)
+        active[new[settled]] = False
+        new = new[~settled]
     pieces = Pieces.joined([count.waiting, Pieces(new, whole_faces(len(new)), whole_seen[new])])
     is_cut[new] = True
     whole_seen[new] = False
-    finished, pieces, repairs = _refine(pieces, sights, status, block, criterion, coming)
+    finished, pieces, repairs = _refine(count, pieces, sights, status, block, criterion, coming)
     active = active & ~is_cut
     active[pieces.face] = True
-    return Count(active, whole_seen, is_cut, pieces, (*count.done, finished), n_repairs + repairs)
+    return Count(active, whole_seen, is_cut, pieces, (*count.done, finished), n_repairs + repairs, count.within_sight)
 
 
-def _refine(pieces: Pieces, sights: list[Sight], status, block: np.ndarray, criterion: Criterion, coming: np.ndarray):
+def _refine(count: Count, pieces: Pieces, sights: list[Sight], status, block, criterion: Criterion, coming: np.ndarray):
     """Cut pieces along what each camera of a block sees of them; finished pieces, the others, number of repairs."""
-    pieces.seen[:, block] = status[pieces.face] == WHOLE
-    met = criterion.met(pieces.seen, pieces.face)
+    pieces.seen[:, block] |= status[pieces.face] == WHOLE
+
+    def settled(some: Pieces, after: int) -> np.ndarray:
+        """Of pieces that cameras of the block `after` this one may still cut."""
+        possible = count.possible(some.face, some.seen, coming)
+        possible[:, block[after:]] |= status[some.face, after:] != HIDDEN
+        return criterion.settled(some.seen, possible, some.face)
+
+    met = settled(pieces, 0)
     done, pieces, n_repairs = [pieces.take(met)], pieces.take(~met), 0
-    coming = coming.copy()
-    coming[block] = True
+    to_come = coming.copy()
+    to_come[block] = True
     for k, camera in enumerate(block):
-        coming[camera] = False
+        to_come[camera] = False
         crossed = status[pieces.face, k] == CUT
         if not crossed.any():
             continue
         rest, cut = pieces.take(~crossed), pieces.take(crossed)
-        origin, cell, repairs = cut_pieces(cut.face, cut.polygon, sights[k].cuts, sights[k].on_grid[cut.face])
+        asked = cut.face, cut.polygon, sights[k].cuts, sights[k].on_grid[cut.face]
+        if criterion.by_set:
+            origin, cell, repairs, inner = halved_pieces(*asked)
+        else:
+            origin, cell, repairs = cut_pieces(*asked)
+            inner = shapely.get_coordinates(shapely.point_on_surface(cell))
         n_repairs += repairs
-        inner = shapely.get_coordinates(shapely.point_on_surface(cell))
         answer = sights[k].sees(cut.face[origin], inner)
         # A piece all of whose cells got the same answer need not be cut.
         n_cells, n_seen = np.bincount(origin, minlength=len(cut.face)), np.bincount(origin, answer, len(cut.face))
@@ -262,11 +323,11 @@ def _refine(pieces: Pieces, sights: list[Sight], status, block: np.ndarray, crit
         cells = Pieces(cut.face[origin[of_divided]], cell[of_divided], cut.seen[origin[of_divided]])
         cells.seen[:, camera] = answer[of_divided]
         cut = cut.take(~divided)
-        met, cells_met = criterion.met(cut.seen, cut.face), criterion.met(cells.seen, cells.face)
+        met, cells_met = settled(cut, k + 1), settled(cells, k + 1)
         done += [cut.take(met), cells.take(cells_met)]
         cells = cells.take(~cells_met)
-        if coming.any():
-            cells, repairs = _merged(cells, criterion.state(cells.seen, coming))
+        if to_come.any() and not criterion.by_set:
+            cells, repairs = _merged(cells, criterion.state(cells.seen, to_come))
             n_repairs += repairs
         pieces = Pieces.joined([rest, cut.take(~met), cells])
     return Pieces.joined(done), pieces, n_repairs

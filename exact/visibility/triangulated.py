@@ -37,8 +37,8 @@ def triangles_in(polygon: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Triangles of polygons and multipolygons (P,): which each is from, (N,), and its corners, (N, 3, 2)."""
     parts, owner = shapely.get_parts(polygon, return_index=True)
     collections = shapely.constrained_delaunay_triangles(parts) if len(parts) else parts
-    triangles, part = shapely.get_parts(collections, return_index=True)
-    return owner[part], shapely.get_coordinates(triangles).reshape(-1, 4, 2)[:, :3]
+    corner, part = shapely.get_coordinates(collections, return_index=True)
+    return owner[part[::4]], corner.reshape(-1, 4, 2)[:, :3]
 
 
 def in_space(mesh, face: np.ndarray, polygon: np.ndarray) -> np.ndarray:

@@ -143,6 +143,42 @@ def _many_faces() -> list[tuple[str, str, str, str]]:
     ]
 
 
+def _limits_and_errors() -> list[tuple[str, str, str, str]]:
+    """Processor time of limits and errors, in parts of that of a plain evaluation, each the least of several."""
+    mesh, exclude = _site("middle")
+    cameras = RING.cameras(RING.equidistant(8))
+    limits = {"depth_of_field": (370.0, 395.0), "min_pixel_density": 1000.0, "max_incidence": float(np.radians(80))}
+    requests = {
+        "": {},
+        **{
+            f"limit {name.replace('_', ' ')}": {"limits": exact.Limits(**{name: most})} for name, most in limits.items()
+        },
+        "one light": {"lights": [(0.0, 60.0, 400.0)]},
+        "all limits": {"limits": exact.Limits(**limits)},
+        **{f"max_error {most:g} mm": {"max_error": most} for most in (0.1, 0.08, 0.05)},
+        "all limits, max_error 0.08 mm": {"limits": exact.Limits(**limits), "max_error": 0.08},
+    }
+    times: dict[str, list[float]] = {}
+
+    def timed(name: str, start: float) -> None:
+        times.setdefault(name, []).append(time.process_time() - start)
+
+    for _ in range(REPEATS):  # in turn, since how fast a machine is changes
+        for name, asked in requests.items():
+            start = time.process_time()
+            found = exact.evaluate(mesh, cameras, exclude=exclude, **asked)
+            timed(name, start)
+            if not asked:
+                start = time.process_time()
+                _ = found.errors
+                timed("errors alone", start)
+    plain = min(times.pop(""))
+    return [
+        (f"{name}, 8 cameras, over plain", f"{min(spent) / plain:.2f}", "", "at most 1.6")
+        for name, spent in times.items()
+    ]
+
+
 def _memory() -> list[tuple[str, str, str, str]]:
     # In a process of its own, since the greatest memory of a process never falls.
     program = f"from experiments.bench.exact_areas import peak_memory; peak_memory({360})"
@@ -197,7 +233,7 @@ def _vertex_order() -> list[tuple[str, str, str, str]]:
     return rows
 
 
-MEASUREMENTS = (_against_rays, _many_cameras, _many_faces, _memory, _paper_algorithm, _vertex_order)
+MEASUREMENTS = (_against_rays, _many_cameras, _many_faces, _limits_and_errors, _memory, _paper_algorithm, _vertex_order)
 
 
 def _draw(path: Path, rows: list[tuple[str, str, str, str]]) -> None:

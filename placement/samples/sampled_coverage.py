@@ -9,6 +9,7 @@ from functools import cached_property
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
+from scipy.sparse import csr_array
 
 import exact
 from exact.demand import Criterion
@@ -127,23 +128,52 @@ class SampledCoverage:
         return _worth(gained.astype(np.float64) + self.profiles.sums(done)[:, None])
 
     def measured_with_one_more(self, angles, grid=None) -> tuple[Float[np.ndarray, " G"], Float[np.ndarray, " G"]]:
-        """`worth` and `error` of (M - 1,) ring angles [rad] and one more at each of `grid`, by default `pair_grid`."""
+        """`worth` and `error` of (M - 1,) ring angles [rad] and one more at each of `grid`, by default `pair_grid`.
+
+        What makes points of one site differ that the same cameras see is their noise alone, by which variances grow.
+        """
         theta = np.asarray(angles, dtype=np.float64)
         seen_from = self._seen_pairs if grid is None else self.profiles.at(grid).T
         grid = self.pair_grid if grid is None else np.asarray(grid, dtype=np.float64)
         seen = self.profiles.at(theta)
         which = np.flatnonzero(seen.sum(axis=0) >= self.demand.threshold - 1)
-        now_seen = seen_from[which] > 0
-        covered = self._covered_with_one_more(theta, seen[:, which], now_seen, grid)
-        variances = self._variances(theta, seen[:, which], now_seen, grid, self.profiles.noise[which])
+        key = np.concatenate([np.packbits(seen[:, which], axis=0), self.profiles.site[None, which]])
+        order = np.lexsort(key)
+        which, key = which[order], key[:, order]
+        begins = np.append(0, np.flatnonzero((key[:, 1:] != key[:, :-1]).any(axis=0)) + 1)[: len(which)]
+        sets, site = seen[:, which[begins]], self.profiles.site[which[begins]]
+        ends = np.append(begins, len(which))
+        alone, joined = self._unit_variances(theta, sets, grid)
+        weight, noise = self.profiles.weights[which], self.profiles.noise[which]
+        now, before = seen_from[which].astype(np.float64), np.ones(len(which))
         if self.demand.max_error is not None:
-            covered &= variances <= self.demand.max_error**2
-        weights = np.where(covered, self.profiles.weights[which, None], 0.0)
-        total = weights.sum(axis=0)
-        squares = (weights * np.where(covered, variances, 0.0)).sum(axis=0)
+            group, most = np.repeat(np.arange(len(begins)), np.diff(ends)), self.demand.max_error**2
+            with np.errstate(invalid="ignore"):
+                before = np.where(noise * alone[group] <= most, before, 0.0)
+                without = (1 - now) * before[:, None]
+                now = np.where(noise[:, None] * joined[group] <= most, now, 0.0)
+        columns, n = np.arange(len(which)), (len(begins), len(which))
+        sums = [csr_array((values, columns, ends), shape=n) for values in (weight, weight * noise)]
+        counts = self._covered_with_one_more(theta, sets, np.ones((len(begins), len(grid)), dtype=bool), grid)
+        weights, squares = _counted(*(of_sets @ now for of_sets in sums), joined, counts)
+        counts = self._covered_with_one_more(theta, sets, np.zeros((len(begins), 1), dtype=bool), grid[:1])
+        if counts.any():
+            if self.demand.max_error is None:
+                without = 1 - now
+            more = _counted(*(of_sets @ without for of_sets in sums), alone[:, None], counts)
+            weights, squares = weights + more[0], squares + more[1]
+        total, squares = weights.sum(axis=0), squares.sum(axis=0)
         error = np.sqrt(np.divide(squares, total, out=np.full(len(grid), np.inf), where=total > 0))
-        site = self.profiles.site[which]
         return _worth(np.stack([weights[site == k].sum(axis=0) for k in range(self.profiles.n_sites)])), error
+
+    def _unit_variances(
+        self, theta: Float[np.ndarray, " M"], sets: Bool[np.ndarray, "M S"], grid: Float[np.ndarray, " G"]
+    ) -> tuple[Float[np.ndarray, " S"], Float[np.ndarray, "S G"]]:
+        """Variances of points of unit noise that these sets of cameras see, without and with one more of `grid`."""
+        joined = self._variances(
+            theta, sets, np.ones((sets.shape[1], len(grid)), dtype=bool), grid, np.ones(sets.shape[1])
+        )
+        return variances_of(sets, theta, self.ring, np.ones(sets.shape[1])), joined
 
     def _covered_with_one_more(
         self,
@@ -305,7 +335,8 @@ def variances_of(
     seen: Bool[np.ndarray, "M N"], angles: Float[np.ndarray, " M"], ring: exact.Ring, noise: Float[np.ndarray, " N"]
 ) -> Float[np.ndarray, " N"]:
     """(N,) predicted variances [mm²] of samples that the cameras at these ring angles [rad] see; `noise` in [mm⁴]."""
-    return _variances(seen.sum(axis=0), np.exp(1j * angles) @ seen, ring, noise)
+    # By einsum, not BLAS, whose threads wait for each other.
+    return _variances(seen.sum(axis=0), np.einsum("m,mn->n", np.exp(1j * angles), seen), ring, noise)
 
 
 def refuse_unmet(profiles: RingProfiles, demand: exact.Demand, ring: exact.Ring, n_cameras: int) -> None:
@@ -336,6 +367,13 @@ def _variances(count: np.ndarray, moment: np.ndarray, ring: exact.Ring, noise: n
     """
     spread = (ring.diameter / 2) ** 2 * (count - np.abs(moment) ** 2 / np.maximum(count, 1))
     return np.divide(noise, spread, out=np.full(np.broadcast(noise, spread).shape, np.inf), where=spread > LEAST_SPREAD)
+
+
+def _counted(weights: np.ndarray, squares: np.ndarray, variance: np.ndarray, counts: np.ndarray):
+    """Weights that count, and their sums of squares, from those of unit variance; infinite only where there is any."""
+    weights, known = np.where(counts, weights, 0.0), np.isfinite(variance)
+    squares = np.where(known & (weights > 0), squares, 0.0) * np.where(known, variance, 0.0)
+    return weights, np.where(~known & (weights > 0), np.inf, squares)
 
 
 def _worth(sums: Float[np.ndarray, "S ..."]) -> Float[np.ndarray, "..."]:

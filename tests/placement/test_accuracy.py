@@ -169,3 +169,17 @@ def test_an_error_that_no_layout_meets_is_refused_with_the_best_that_can_be_met(
         artery, RING, 0.05, settings=QUICK, certify=False, max_error=0.06, max_cameras=4
     )
     assert counted.counts[0].fraction == 0 and counted.counts[-1].fraction > 0
+
+
+@pytest.mark.parametrize("asked", [{}, {"threshold": 1}, {"threshold": 3, "max_error": 0.12}, {"min_baseline": 20.0}])
+def test_moves_are_measured_as_the_layouts_that_they_lead_to(problem, asked):
+    coverage = SampledCoverage(problem.profiles, exact.Demand(**asked), RING, n_grid=24)
+    rng = np.random.default_rng(4)
+    for n_others in (1, 3, 9):
+        others, places = rng.uniform(0, 2 * np.pi, n_others), rng.uniform(0, 2 * np.pi, 5)
+        for grid in (None, places):
+            worth, error = coverage.measured_with_one_more(others, grid)
+            at = coverage.pair_grid if grid is None else grid
+            layouts = [np.append(others, angle) for angle in at]
+            np.testing.assert_allclose(worth, [coverage.worth(layout) for layout in layouts], rtol=1e-6, atol=1e-9)
+            np.testing.assert_allclose(error, [coverage.error(layout) for layout in layouts], rtol=1e-9)

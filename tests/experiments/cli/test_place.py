@@ -90,7 +90,13 @@ def test_optimise_and_all_that_reads_its_layout(camring, scans, rig, tmp_path):
     assert status == 0 and said(err) and moved["area_mm2"] > 500
     assert moved["ring"]["diameter_mm"] == layout["ring"]["diameter_mm"]
     status, printed, err = camring(
-        "compare", file, file, "--mesh", *again, "--out", tmp_path / "compared",
+        "compare",
+        file,
+        file,
+        "--mesh",
+        *again,
+        "--out",
+        tmp_path / "compared",
     )
     compared = json.loads(printed)
     assert status == 0 and compared["ring"] == moved["ring"] and (tmp_path / "compared" / "place.png").exists()
