@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from exact.cameras import Camera
-from exact.demand import Criterion
+from exact.demand import Criterion, Demand
 from exact.derivative.borders import borders_of
 from exact.derivative.motion import EXTENT, POSITION, ROTATION, TARGET, swept
 from exact.derivative.on_ring import RingDerivative, on_ring
@@ -135,11 +135,7 @@ def gradient(mesh: "trimesh.Trimesh | Scene", cameras: Sequence[Camera], *, work
     scene, demand = checked(mesh, asked)
     cameras = checked_cameras(cameras)
     demand.refuse_fewer(len(cameras))
-    if demand.max_error is not None:
-        raise ExactError(
-            f"max_error is {demand.max_error:g} mm; the derivative of an area is known without a bound on the error "
-            "only: leave max_error out, and ask for a min_baseline instead"
-        )
+    refuse_without_derivative(demand)
     surface, criterion = scene.surface, demand.of(cameras, scene.surface)
     seen = tally(surface, cameras, criterion, scene.counted, checked_workers(workers), lit=scene.lit, keep_cuts=True)
     pieces = seen.pieces.take(np.flatnonzero(seen.pieces.seen.any(axis=1)))
@@ -159,6 +155,20 @@ def gradient(mesh: "trimesh.Trimesh | Scene", cameras: Sequence[Camera], *, work
     found = of_tally(scene, demand, cameras, criterion, seen)
     in_plane = np.array([_in_plane(surface, camera) for camera in cameras])
     return Gradient(*parts(criterion), found, by_level, in_plane)
+
+
+def refuse_without_derivative(demand: Demand) -> None:
+    """Refuse a demand under which the derivative of an area is not known.
+
+    Raises
+    ------
+    ExactError
+    """
+    if demand.max_error is not None:
+        raise ExactError(
+            f"max_error is {demand.max_error:g} mm; the derivative of an area is known without a bound on the error "
+            "only: leave max_error out, and ask for a min_baseline instead"
+        )
 
 
 def _in_plane(surface: Surface, camera: Camera) -> int:
