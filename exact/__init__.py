@@ -7,6 +7,8 @@ from exact.on_demand import import_on_demand
 if TYPE_CHECKING:
     from exact.cameras import Camera
     from exact.demand import Demand
+    from exact.derivative.gradient import Derivative, Gradient, gradient
+    from exact.derivative.on_ring import RingDerivative
     from exact.drawing import NOT_COUNTED, seen_from
     from exact.errors import ExactError
     from exact.evaluate import areas, evaluate
@@ -23,17 +25,21 @@ __all__ = [
     "NOT_COUNTED",
     "Camera",
     "Demand",
+    "Derivative",
     "ExactError",
+    "Gradient",
     "Limits",
     "OneMore",
     "Optics",
     "Reconstruction",
     "Ring",
+    "RingDerivative",
     "Scene",
     "View",
     "ViewSets",
     "areas",
     "evaluate",
+    "gradient",
     "seen_from",
     "view",
     "view_sets",

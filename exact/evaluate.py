@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from exact.cameras import Camera
-from exact.demand import Criterion
+from exact.demand import Criterion, Demand
 from exact.errors import ExactError
 from exact.predicted.reconstructed import area_by_face, piece_areas, reconstructed
 from exact.requests import (
@@ -92,6 +92,13 @@ def evaluate(
     seen = tally(
         scene.surface, cameras, criterion, scene.counted, checked_workers(workers), report, depth_order, scene.lit
     )
+    return of_tally(scene, demand, cameras, criterion, seen)
+
+
+def of_tally(
+    scene: Scene, demand: Demand, cameras: tuple[Camera, ...], criterion: Criterion, seen: Tally
+) -> Reconstruction:
+    """What is reconstructed where the cameras see what has been `seen`."""
     met = reconstructed(scene.surface, scene.counted, seen, criterion)
     levels = [
         reconstructed(scene.surface, scene.counted, seen, Criterion(level)) for level in range(1, demand.threshold + 1)

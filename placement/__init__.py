@@ -10,6 +10,7 @@ from exact.on_demand import import_on_demand
 
 if TYPE_CHECKING:
     from placement.errors import PlacementError
+    from placement.exact_area import exact_area
     from placement.jitter import jitter
     from placement.layouts.constraints import Constraints
     from placement.optimise import certify, optimise, place, recommend_count, tradeoff
@@ -47,6 +48,7 @@ __all__ = [
     "best_equidistant_phase",
     "certify",
     "consensus",
+    "exact_area",
     "falloff",
     "jitter",
     "optimise",

@@ -9,7 +9,7 @@ import gc
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import as_completed
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
@@ -20,6 +20,7 @@ from exact.visibility.clipping import cut_pieces, halved_pieces, unite, whole_fa
 from exact.visibility.limits import Usable
 from exact.visibility.occlusion import CUT, HIDDEN, WHOLE, Sight, look
 from exact.visibility.projection import project
+from exact.visibility.silhouettes import Cuts
 from exact.visibility.surface import Surface
 from exact.workers import processes, shares
 
@@ -69,12 +70,15 @@ class Tally:
         Whether the face is in pieces.
     pieces : Pieces
     n_repairs : int
+    cuts : tuple of (int, Cuts)
+        Cameras and the segments along which each cut faces in pieces, if they were to be kept.
     """
 
     whole_seen: np.ndarray
     is_cut: np.ndarray
     pieces: Pieces
     n_repairs: int
+    cuts: tuple[tuple[int, Cuts], ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,6 +97,8 @@ class Count:
     n_repairs : int
     within_sight : (F, M) bool or None
         Cameras that see some of each active face, if that is known.
+    cuts : tuple of (int, Cuts) or None
+        As of a `Tally`; None if they are not kept.
     """
 
     active: np.ndarray
@@ -102,6 +108,7 @@ class Count:
     done: tuple[Pieces, ...]
     n_repairs: int
     within_sight: np.ndarray | None = None
+    cuts: tuple[tuple[int, Cuts], ...] | None = None
 
     def possible(self, face: np.ndarray, seen: np.ndarray, coming: np.ndarray) -> np.ndarray:
         """(N, M) cameras that may see parts of faces (N,), seen by `seen` (N, M), once all `coming` (M,) are added."""
@@ -125,7 +132,8 @@ class Count:
 
     def tally(self) -> Tally:
         """What has been counted."""
-        return Tally(self.whole_seen, self.is_cut, Pieces.joined([*self.done, self.waiting]), self.n_repairs)
+        pieces = Pieces.joined([*self.done, self.waiting])
+        return Tally(self.whole_seen, self.is_cut, pieces, self.n_repairs, self.cuts or ())
 
 
 def spread_order(cameras: Sequence[Camera]) -> np.ndarray:
@@ -149,18 +157,20 @@ def tally(
     report: Callable[[int], object] | None = None,
     depth_order: str = "exact",
     lit: Tally | None = None,
+    keep_cuts: bool = False,
 ) -> Tally:
     """Count the views of every part of the `active` faces, (F,) bool, until it meets `criterion`.
 
-    Of parts that are not `lit`, where that matters, no view counts.
+    Of parts that are not `lit`, where that matters, no view counts. What cut faces is kept if that is asked for.
     """
     active = active & (surface.areas > 0)
     _ = surface.solid  # found once, not by every worker
     if workers == 1 or active.sum() < workers:
-        return _tally(surface, cameras, criterion, active, depth_order, lit, report)
+        return _tally(surface, cameras, criterion, active, depth_order, lit, keep_cuts, report)
     parts = shares(surface, cameras[0], active, workers)
     with processes(workers) as executor:
-        futures = [executor.submit(_tally, surface, cameras, criterion, part, depth_order, lit) for part in parts]
+        asked = (depth_order, lit, keep_cuts)
+        futures = [executor.submit(_tally, surface, cameras, criterion, part, *asked) for part in parts]
         for done, _ in enumerate(as_completed(futures)):
             if report is not None:
                 report(len(cameras) * (done + 1) // workers - len(cameras) * done // workers)
@@ -170,6 +180,7 @@ def tally(
         np.any([part.is_cut for part in found], axis=0),
         Pieces.joined([part.pieces for part in found]),
         sum(part.n_repairs for part in found),
+        tuple(cut for part in found for cut in part.cuts),
     )
 
 
@@ -180,11 +191,14 @@ def _tally(
     active: np.ndarray,
     depth_order: str,
     lit: Tally | None,
+    keep_cuts: bool,
     report: Callable[[int], object] | None = None,
 ) -> Tally:
     count = Count.start(active, len(cameras), lit)
     if criterion.bound is not None and len(cameras) > BLOCK:
         count = _looked_through(count, surface, cameras, criterion, depth_order)
+    if keep_cuts:
+        count = replace(count, cuts=())
     coming = np.ones(len(cameras), dtype=bool)
     for block in np.split(spread_order(cameras), range(BLOCK, len(cameras), BLOCK)):
         coming[block] = False
@@ -284,7 +298,12 @@ def add_views(
     finished, pieces, repairs = _refine(count, pieces, sights, status, block, criterion, coming)
     active = active & ~is_cut
     active[pieces.face] = True
-    return Count(active, whole_seen, is_cut, pieces, (*count.done, finished), n_repairs + repairs, count.within_sight)
+    cuts = count.cuts
+    if cuts is not None:
+        new_cuts = ((int(i), sight.cuts.of_faces(is_cut)) for i, sight in zip(block, sights, strict=True))
+        cuts = (*cuts, *new_cuts)
+    done = (*count.done, finished)
+    return Count(active, whole_seen, is_cut, pieces, done, n_repairs + repairs, count.within_sight, cuts)
 
 
 def _refine(count: Count, pieces: Pieces, sights: list[Sight], status, block, criterion: Criterion, coming: np.ndarray):

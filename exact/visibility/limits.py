@@ -13,7 +13,7 @@ from exact.usable.limits import Limits
 from exact.usable.optics import Optics
 from exact.visibility.projection import UNIT_FRAME, Image, lone_corner_first
 from exact.visibility.screen import barycentric
-from exact.visibility.silhouettes import MARGIN, Cuts
+from exact.visibility.silhouettes import FARTHEST, MARGIN, NEAREST, STEEPEST, Cuts
 
 # An arc is cut along chords of at most this angle [rad], and along at least so many. They are moved outwards so far
 # that they bound the area of the arc; only at its two ends, over less than a chord, a difference remains.
@@ -51,7 +51,7 @@ class Usable:
     def whole_or_cuts(self, face: np.ndarray) -> tuple[np.ndarray, np.ndarray, Cuts]:
         """Of the faces (N,): which are usable all over, (N,) bool, which in part, (N,) bool, and what cuts those."""
         lines, inside, outside = self._depths(face)
-        arcs = Cuts(np.zeros(0, dtype=int), np.zeros((0, 2)), np.zeros((0, 2)))
+        arcs = Cuts.none()
         if self.limits.max_incidence is not None:
             arcs, within, beyond = self._incidence(face[~outside], self.limits.max_incidence)
             some = ~outside
@@ -70,10 +70,10 @@ class Usable:
         near, far = self.limits.depths(camera, self.optics, self._height[face])
         low, high = depth.min(axis=1), depth.max(axis=1)
         parts = []
-        for border in (np.full(len(face), near), far):
+        for border, source in ((np.full(len(face), near), NEAREST), (far, FARTHEST)):
             crossed = np.flatnonzero((low < border) & (border < high))
             start, end = _level(depth[crossed] - border[crossed, None])
-            parts.append(Cuts(face[crossed], start, end))
+            parts.append(Cuts.alike(face[crossed], start, end, source))
         return Cuts.joined(parts), (low >= near) & (high <= far), (high < near) | (low > far)
 
     def _incidence(self, face: np.ndarray, largest: float):
@@ -91,10 +91,10 @@ class Usable:
         within = (np.hypot(flat[:, :, 0], flat[:, :, 1]) <= radius[:, None]).all(axis=1)
         nearest = _distance_to(flat)
         beyond = nearest > radius
-        parts = [Cuts(np.zeros(0, dtype=int), np.zeros((0, 2)), np.zeros((0, 2)))]
+        parts = [Cuts.none()]
         for i in np.flatnonzero(~within & ~beyond):
             start, end = _arcs(flat[i], radius[i])
-            parts.append(Cuts(np.full(len(start), face[i]), start, end))
+            parts.append(Cuts.alike(np.full(len(start), face[i]), start, end, STEEPEST))
         return Cuts.joined(parts), within, beyond
 
 

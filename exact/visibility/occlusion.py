@@ -80,7 +80,7 @@ def look(image: Image, active: np.ndarray, depth_order: str = "exact", usable: U
     status = np.zeros(len(image.front), dtype=np.int8)
     status[screen.parent[asked]] = WHOLE  # until something is found to cut or to hide it
     own = image.surface.intersections
-    own_cuts = Cuts(own.face, own.start, own.end)
+    own_cuts = Cuts.alike(own.face, own.start, own.end)
     cuts = Cuts.joined([crossings(screen, asked), *(some.of_faces(status == WHOLE) for some in (own_cuts, *borders))])
     status[cuts.face] = CUT
     uncut = np.flatnonzero(status == WHOLE)

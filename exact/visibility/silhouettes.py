@@ -15,6 +15,10 @@ MARGIN = 1e-7
 # A segment from a corner that leaves the face at a smaller slope than this runs along the face's side.
 ALONG_SIDE = 1e-9
 
+# What moves a cut that no silhouette casts, in place of the points between which a silhouette runs: the sides of the
+# field of view; nothing; limits on depth; the limit on incidence.
+SIDES, FIXED, NEAREST, FARTHEST, STEEPEST = np.array([-1, -2, -3, -4]), -5, -6, -7, -8
+
 # Nearer to each other than this (in parts of the field of view) two segments meet: far above rounding.
 APART = 1e-9
 # Segments from a common end at a smaller angle than this [rad] may run along each other.
@@ -23,11 +27,26 @@ TURNED = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Cuts:
-    """Segments that cut faces: the face of each, and its ends in the face's own coordinates, (N,), (N, 2), (N, 2)."""
+    """Segments that cut faces: the face of each, and its ends in the face's own coordinates, (N,), (N, 2), (N, 2).
+
+    And, (N, 2) int, of what each is the shadow or the border: the points of the image between which a silhouette runs,
+    or twice one of `SIDES`, `FIXED`, `NEAREST`, `FARTHEST` and `STEEPEST`.
+    """
 
     face: np.ndarray
     start: np.ndarray
     end: np.ndarray
+    source: np.ndarray
+
+    @staticmethod
+    def alike(face: np.ndarray, start: np.ndarray, end: np.ndarray, source: int = FIXED) -> "Cuts":
+        """Segments that are all borders of the same."""
+        return Cuts(face, start, end, np.full((len(face), 2), source))
+
+    @staticmethod
+    def none() -> "Cuts":
+        """No segments."""
+        return Cuts.alike(np.zeros(0, dtype=int), np.zeros((0, 2)), np.zeros((0, 2)))
 
     @staticmethod
     def joined(parts: list["Cuts"]) -> "Cuts":
@@ -38,18 +57,19 @@ class Cuts:
         face = np.concatenate([part.face for part in parts])
         start = np.concatenate([part.start for part in parts])
         end = np.concatenate([part.end for part in parts])
+        source = np.concatenate([part.source for part in parts])
         order = np.lexsort((end[:, 1], end[:, 0], start[:, 1], start[:, 0], face))
-        return Cuts(face[order], start[order], end[order])
+        return Cuts(face[order], start[order], end[order], source[order])
 
     def of_faces(self, chosen: np.ndarray) -> "Cuts":
         """The segments of the `chosen` faces, (F,) bool."""
         keep = chosen[self.face]
-        return Cuts(self.face[keep], self.start[keep], self.end[keep])
+        return Cuts(self.face[keep], self.start[keep], self.end[keep], self.source[keep])
 
 
 @dataclass(frozen=True, eq=False)
 class _Ends:
-    """One end of each segment in the image: point number (-1 for none), x, y and 1/depth, all (N,)."""
+    """One end of each segment in the image: point number (one of `SIDES` for none), x, y and 1/depth, all (N,)."""
 
     point: np.ndarray
     x: np.ndarray
@@ -71,7 +91,7 @@ def crossings(screen: Screen, asked: np.ndarray) -> Cuts:
     nearest = np.full(4, 1 / (NEAR * image.camera.target_distance))
     start, end = (
         _Ends(
-            np.append(edges[:, k], np.full(4, -1)),
+            np.append(edges[:, k], SIDES),
             np.append(image.x[edges[:, k]], np.roll(border_x, -k)),
             np.append(image.y[edges[:, k]], np.roll(border_y, -k)),
             np.append(image.inverse_depth[edges[:, k]], nearest),
@@ -80,13 +100,13 @@ def crossings(screen: Screen, asked: np.ndarray) -> Cuts:
     )
     parts = [_clip(screen, found, start.take(which), end.take(which)) for which, found in
              _pairs(screen, asked, start, end)]  # fmt: skip
-    cuts = Cuts.joined(parts or [Cuts(np.zeros(0, dtype=int), np.zeros((0, 2)), np.zeros((0, 2)))])
+    cuts = Cuts.joined(parts or [Cuts.none()])
     if image.frame is None:
         return cuts
     # A part of a face is cut off the rest along the near plane.
     part = screen.triangle[asked & image.is_part[screen.triangle]]
     frame, owner = image.frame[part], image.parent[part]
-    return Cuts.joined([cuts, *(Cuts(owner, frame[:, i], frame[:, j]) for i, j in ((0, 1), (1, 2), (2, 0)))])
+    return Cuts.joined([cuts, *(Cuts.alike(owner, frame[:, i], frame[:, j]) for i, j in ((0, 1), (1, 2), (2, 0)))])
 
 
 def _pairs(screen: Screen, asked: np.ndarray, start: _Ends, end: _Ends) -> Iterator[tuple[np.ndarray, np.ndarray]]:
@@ -176,9 +196,9 @@ def _clip(screen: Screen, found: np.ndarray, start: _Ends, end: _Ends) -> Cuts:
     if screen.face_distance is None:
         keep &= np.maximum(first, last) > -SAME_DEPTH
     found, inverse, step = found[keep], inverse[keep], step[keep]
-    ends = []
+    start, end = start.take(keep), end.take(keep)
+    source, ends = np.stack([start.point, end.point], axis=1), []
     if screen.face_distance is None and image.frame is None:
-        start, end = start.take(keep), end.take(keep)
         places = [
             _Ends(
                 start.point,
@@ -190,7 +210,7 @@ def _clip(screen: Screen, found: np.ndarray, start: _Ends, end: _Ends) -> Cuts:
         ]
         matters = _matters(screen, found, start, end, *places)
         keep[keep] = matters
-        found, inverse, step = found[matters], inverse[matters], step[matters]
+        found, inverse, step, source = found[matters], inverse[matters], step[matters], source[matters]
     for at in (enter[keep], leave[keep]):
         where = np.where(at[:, None] == 1.0, at_end[keep], at_start[keep] + at[:, None] * step)
         weight = where * inverse  # perspective: 1/depth is affine in the image, the place in the plane is not
@@ -199,7 +219,7 @@ def _clip(screen: Screen, found: np.ndarray, start: _Ends, end: _Ends) -> Cuts:
             ends.append(weight[:, 1:])
         else:
             ends.append((weight[:, :, None] * image.frame[screen.triangle[found]]).sum(axis=1))
-    return Cuts(screen.parent[found], ends[0], ends[1])
+    return Cuts(screen.parent[found], ends[0], ends[1], source)
 
 
 def _matters(screen: Screen, found: np.ndarray, start: _Ends, end: _Ends, enter: _Ends, leave: _Ends) -> np.ndarray:

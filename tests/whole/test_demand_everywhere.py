@@ -43,6 +43,7 @@ def test_a_further_field_works_in_every_evaluation(wall, wider):
     area = exact.evaluate(wall, cameras, **less).area
     assert exact.evaluate(wall, cameras, **more).area == area < 0.9 * exact.evaluate(wall, cameras).area
     assert exact.areas(wall, [cameras], **more).tolist() == [area]
+    assert exact.gradient(wall, cameras, **more).area == area
     assert exact.OneMore(wall, cameras[:3], **more).area(cameras[3]) == pytest.approx(area, rel=1e-12)
     assert exact.view_sets(wall, cameras).area(**more) == pytest.approx(area, rel=1e-12)
     one, other = (placement.triangulation(wall, RING, LAYOUT, n_samples=2000, **asked) for asked in (more, less))
@@ -69,8 +70,8 @@ def test_a_further_field_works_in_every_search(wall, wider):
 
 @pytest.mark.parametrize(
     "function",
-    [exact.evaluate, exact.areas, exact.OneMore, placement.optimise, placement.certify, placement.recommend_count,
-     placement.Problem, placement.triangulation],
+    [exact.evaluate, exact.areas, exact.gradient, exact.OneMore, placement.optimise, placement.certify,
+     placement.recommend_count, placement.Problem, placement.triangulation],
 )  # fmt: skip
 def test_help_shows_every_keyword_and_no_other_is_taken(wall, function):
     shown = inspect.signature(function).parameters
