@@ -16,6 +16,8 @@ from exact.visibility.surface import Surface
 # Within a distance r of a point at depth z an error changes by less than this times r / z of the greatest error of any
 # direction: depth and the angles between rays change by r / z, and the directions of the rays by as many radians.
 CHANGE = 10.0
+# Of so few cameras information is found as quickly anew as it is kept.
+FEW = 16
 # Pairs of a face and a camera whose information is kept: 100 MB.
 MOST_KEPT = 2_000_000
 # Beyond this r / z that is not relied on.
@@ -123,9 +125,12 @@ class ErrorBound:
     def _known(self, face: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
         """Faces with these among them, ascending, and what each camera tells about their centres, (F * M, 6).
 
-        None if that were too much to keep. It is kept, since the same faces are asked about again and again.
+        None if that were too much to keep, or not worth it. Of many cameras it is kept, since the same faces are asked
+        about again and again.
         """
         surface, cameras = self.predictor.surface, self.predictor.cameras
+        if len(cameras) <= FEW:
+            return None
         faces, told = self._kept.get("told", (np.zeros(0, dtype=int), np.zeros((0, len(cameras), 6))))
         new = np.setdiff1d(face, faces)
         if len(new) * len(cameras) > MOST_KEPT:
