@@ -82,7 +82,9 @@ class Moments:
     def joined(parts: "list[Moments]") -> "Moments":
         """All of several sets."""
         return Moments(
-            *(np.concatenate([getattr(part, name) for part in parts]) for name in ("share", "centre", "spread"))
+            np.concatenate([part.share for part in parts]),
+            np.concatenate([part.centre for part in parts]),
+            np.concatenate([part.spread for part in parts]),
         )
 
     def take(self, chosen: np.ndarray) -> "Moments":
