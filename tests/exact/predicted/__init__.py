@@ -1,1 +1,1 @@
-"""Exact areas: closed forms, laws, rays, unions, published figures, and what is refused."""
+"""Predicted errors: against triangulations and closed forms, and what is shared to find them quickly."""
