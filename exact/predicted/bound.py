@@ -6,7 +6,7 @@ from functools import cached_property
 
 import numpy as np
 from scipy.sparse import csr_array
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from exact.cameras import Camera
 from exact.usable.information import information, of_camera, spread, variance
@@ -156,4 +156,4 @@ def sizes(cameras: Sequence[Camera], corner: np.ndarray) -> tuple[np.ndarray, np
 
 def distance_from(cameras: Sequence[Camera], points: np.ndarray) -> np.ndarray:
     """(N,) distance of points (N, 3) from the nearest of the cameras [mm]."""
-    return np.asarray(cKDTree([camera.position for camera in cameras]).query(points)[0])
+    return np.asarray(KDTree([camera.position for camera in cameras]).query(points)[0])
