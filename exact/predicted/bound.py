@@ -6,7 +6,7 @@ from functools import cached_property
 
 import numpy as np
 from scipy.sparse import csr_array
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from exact.cameras import Camera
 from exact.usable.information import information, of_camera, spread, variance
@@ -16,6 +16,8 @@ from exact.visibility.surface import Surface
 # Within a distance r of a point at depth z an error changes by less than this times r / z of the greatest error of any
 # direction: depth and the angles between rays change by r / z, and the directions of the rays by as many radians.
 CHANGE = 10.0
+# Of so few cameras information is found as quickly anew as it is kept.
+FEW = 16
 # Pairs of a face and a camera whose information is kept: 100 MB.
 MOST_KEPT = 2_000_000
 # Beyond this r / z that is not relied on.
@@ -123,9 +125,12 @@ class ErrorBound:
     def _known(self, face: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
         """Faces with these among them, ascending, and what each camera tells about their centres, (F * M, 6).
 
-        None if that were too much to keep. It is kept, since the same faces are asked about again and again.
+        None if that were too much to keep, or not worth it. Of many cameras it is kept, since the same faces are asked
+        about again and again.
         """
         surface, cameras = self.predictor.surface, self.predictor.cameras
+        if len(cameras) <= FEW:
+            return None
         faces, told = self._kept.get("told", (np.zeros(0, dtype=int), np.zeros((0, len(cameras), 6))))
         new = np.setdiff1d(face, faces)
         if len(new) * len(cameras) > MOST_KEPT:
@@ -151,4 +156,4 @@ def sizes(cameras: Sequence[Camera], corner: np.ndarray) -> tuple[np.ndarray, np
 
 def distance_from(cameras: Sequence[Camera], points: np.ndarray) -> np.ndarray:
     """(N,) distance of points (N, 3) from the nearest of the cameras [mm]."""
-    return np.asarray(cKDTree([camera.position for camera in cameras]).query(points)[0])
+    return np.asarray(KDTree([camera.position for camera in cameras]).query(points)[0])

@@ -74,15 +74,17 @@ class Moments:
         one, two = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
         centre = corner.mean(axis=1)
         x, y = np.moveaxis(corner - centre[:, None], 2, 0)
-        covariance = ((one * two).sum(axis=1) / 12 for one, two in ((x, x), (x, y), (y, y)))
+        xx, xy, yy = ((one * two).sum(axis=1) / 12 for one, two in ((x, x), (x, y), (y, y)))
         share = np.abs(one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0])
-        return cls(share, centre, _root(*covariance, np.ptp(corner, axis=1)))
+        return cls(share, centre, _root(xx, xy, yy, np.ptp(corner, axis=1)))
 
     @staticmethod
     def joined(parts: "list[Moments]") -> "Moments":
         """All of several sets."""
         return Moments(
-            *(np.concatenate([getattr(part, name) for part in parts]) for name in ("share", "centre", "spread"))
+            np.concatenate([part.share for part in parts]),
+            np.concatenate([part.centre for part in parts]),
+            np.concatenate([part.spread for part in parts]),
         )
 
     def take(self, chosen: np.ndarray) -> "Moments":

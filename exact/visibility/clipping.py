@@ -134,7 +134,10 @@ def halved_pieces(face: np.ndarray, piece: np.ndarray, cuts: Cuts, on_grid: np.n
     ring = shapely.linearrings(outline[drawn], indices=np.repeat(np.arange(len(count)), count + 1))
     origin = np.concatenate([rest[origin], owner])
     order = np.argsort(origin, kind="stable")
-    cell, inner = np.concatenate([cell, shapely.polygons(ring)])[order], np.concatenate([inner, middle])[order]
+    cell, inner = (
+        np.concatenate([cell, np.asarray(shapely.polygons(ring))])[order],
+        np.concatenate([inner, middle])[order],
+    )
     return origin[order], cell, n_repairs, inner
 
 

@@ -155,12 +155,12 @@ class SampledCoverage:
         columns, n = np.arange(len(which)), (len(begins), len(which))
         sums = [csr_array((values, columns, ends), shape=n) for values in (weight, weight * noise)]
         counts = self._covered_with_one_more(theta, sets, np.ones((len(begins), len(grid)), dtype=bool), grid)
-        weights, squares = _counted(*(of_sets @ now for of_sets in sums), joined, counts)
+        weights, squares = _counted(sums[0] @ now, sums[1] @ now, joined, counts)
         counts = self._covered_with_one_more(theta, sets, np.zeros((len(begins), 1), dtype=bool), grid[:1])
         if counts.any():
             if self.demand.max_error is None:
                 without = 1 - now
-            more = _counted(*(of_sets @ without for of_sets in sums), alone[:, None], counts)
+            more = _counted(sums[0] @ without, sums[1] @ without, alone[:, None], counts)
             weights, squares = weights + more[0], squares + more[1]
         total, squares = weights.sum(axis=0), squares.sum(axis=0)
         error = np.sqrt(np.divide(squares, total, out=np.full(len(grid), np.inf), where=total > 0))

@@ -47,7 +47,7 @@ def holed_floor():
     corners = np.array([[-9, -7, 0], [9, -7, 0], [9, 7, 0], [-9, 7, 0]], dtype=float)
     box = trimesh.creation.box((4, 3, 1)).apply_translation((1, 0.5, 20))
     frame = trimesh.creation.annulus(1.0, 2.0, 0.5, sections=12).apply_translation((-5, 1, 15))
-    return exact.Scene(trimesh.Trimesh(corners, [[0, 1, 2], [0, 2, 3]], process=False), obstacles=[box, frame])
+    return exact.Scene(trimesh.Trimesh(corners, [[0, 1, 2], [0, 2, 3]], process=False), obstacles=(box, frame))
 
 
 @pytest.mark.parametrize("name", ["floor", "artery"])

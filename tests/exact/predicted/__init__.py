@@ -1,0 +1,1 @@
+"""Predicted errors: against triangulations and closed forms, and what is shared to find them quickly."""
