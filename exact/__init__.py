@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from exact.errors import ExactError
     from exact.evaluate import areas, evaluate
     from exact.one_more import OneMore
+    from exact.one_more_view import OneMoreView
     from exact.results import Reconstruction
     from exact.ring import Ring
     from exact.scene import Scene
@@ -26,6 +27,7 @@ __all__ = [
     "ExactError",
     "Limits",
     "OneMore",
+    "OneMoreView",
     "Optics",
     "Reconstruction",
     "Ring",

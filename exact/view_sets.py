@@ -165,6 +165,12 @@ def view_sets(
     scene, demand = checked(mesh, asked)
     cameras, surface, counted = checked_cameras(cameras), scene.surface, scene.counted
     found = tally(surface, cameras, every_view(demand, cameras), counted, checked_workers(workers), lit=scene.lit)
+    return sets_of(scene, demand, cameras, found)
+
+
+def sets_of(scene: Scene, demand: Demand, cameras: tuple[Camera, ...], found: Tally) -> ViewSets:
+    """The view sets of cameras whose views have all been counted, as `every_view` has it."""
+    surface, counted = scene.surface, scene.counted
     whole = np.flatnonzero(counted & ~found.is_cut & (surface.areas > 0))
     face = np.concatenate([whole, found.pieces.face])
     area = surface.areas[face]

@@ -1,0 +1,149 @@
+"""All that is known of layouts that differ in one camera: who sees what, and how accurately, one view at a time."""
+
+from collections.abc import Sequence
+from dataclasses import astuple, dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from exact.cameras import Camera
+from exact.demand import every_view
+from exact.predicted.bound import Predictor
+from exact.predicted.errors import NODES, Errors, _shares, _small, errors_over
+from exact.predicted.reconstructed import reconstructed
+from exact.predicted.triangles import Triangles
+from exact.requests import ASKED, checked, checked_cameras, shows
+from exact.scene import Scene
+from exact.usable.information import information
+from exact.view_sets import ViewSets, sets_of
+from exact.visibility.coverage import BLOCK, Count, Tally, add_views, spread_order
+from exact.visibility.projection import UNIT_FRAME
+
+if TYPE_CHECKING:
+    import trimesh
+
+
+@shows(ASKED)
+class OneMoreView:
+    """View sets and predicted errors of given cameras and one more, for as many choices of that one as are tried.
+
+    Each choice computes one view. It takes longer than the area alone, which `OneMore` gives.
+
+    Parameters
+    ----------
+    mesh : trimesh.Trimesh or Scene
+    others : sequence of Camera
+        Cameras that stay; may be empty.
+    **asked
+        What counts and how much, as for `evaluate`; the threshold is at most the number of cameras with the one more.
+
+    Raises
+    ------
+    ExactError
+        If the request is not possible.
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> from exact import Ring
+    >>> plate = trimesh.Trimesh([[-5, -5, 0], [5, -5, 0], [5, 5, 0], [-5, 5, 0]], [[0, 1, 2], [0, 2, 3]])
+    >>> one, two, three = Ring().cameras([0.0, 1.0, 3.0])
+    >>> layouts = OneMoreView(plate, [one], threshold=2)
+    >>> near, far = layouts.seen(two), layouts.seen(three)
+    >>> near.sets.area().__round__(9), bool(far.errors.rms() < near.errors.rms())
+    (100.0, True)
+    """
+
+    def __init__(self, mesh: "trimesh.Trimesh | Scene", others: Sequence[Camera], **asked: Any):
+        self._scene, self._demand = scene, demand = checked(mesh, asked)
+        self._others = others = checked_cameras(others) if len(others) else ()
+        demand.refuse_fewer(len(others) + 1)
+        count = Count.start(scene.counted & (scene.surface.areas > 0), len(others) + 1, scene.lit)
+        if others:
+            criterion, coming = every_view(demand, (*others, others[0])), np.ones(len(others) + 1, dtype=bool)
+            for block in np.split(spread_order(others), range(BLOCK, len(others), BLOCK)):
+                coming[block] = False
+                count = add_views(count, scene.surface, others, block, coming, criterion)
+        self._count = count
+        self._known_nodes: _Nodes | None = None
+
+    def seen(self, camera: Camera) -> "SeenWithOneMore":
+        """What the others and `camera` see."""
+        cameras, scene = (*self._others, *checked_cameras([camera])), self._scene
+        last, none = np.array([len(self._others)]), np.zeros(len(cameras), dtype=bool)
+        criterion = every_view(self._demand, cameras)
+        tally = add_views(self._count, scene.surface, cameras, last, none, criterion).tally()
+        return SeenWithOneMore(self, cameras, tally)
+
+    def _nodes(self, predictor: Predictor) -> "_Nodes":
+        """Those of the faces that the others see whole or not at all."""
+        if self._known_nodes is None:
+            whole = np.flatnonzero(self._count.active & ~self._count.is_cut)
+            self._known_nodes = _Nodes.of(predictor, whole, self._count.whole_seen, self._scene.weights)
+        return self._known_nodes
+
+
+class SeenWithOneMore:
+    """What the cameras of a `OneMoreView` see, with one choice of the one more.
+
+    Attributes
+    ----------
+    sets : ViewSets
+        As `view_sets` gives them for all the cameras, the one more last.
+    """
+
+    def __init__(self, layouts: OneMoreView, cameras: tuple[Camera, ...], tally: Tally):
+        self._layouts, self._cameras, self._tally = layouts, cameras, tally
+        self.sets: ViewSets = sets_of(layouts._scene, layouts._demand, cameras, tally)
+
+    @cached_property
+    def errors(self) -> Errors:
+        """Predicted errors over what all of them reconstruct, as `Reconstruction.errors` has them up to rounding."""
+        layouts = self._layouts
+        scene, demand = layouts._scene, layouts._demand
+        criterion = demand.of(self._cameras, scene.surface)
+        whole, pieces = reconstructed(scene.surface, scene.counted, self._tally, criterion)
+        predictor = demand.predictor(self._cameras, scene.surface)
+        no_face, no_view = np.zeros(0, dtype=int), np.zeros((0, len(self._cameras)), dtype=bool)
+        of_pieces = errors_over(predictor, no_face, no_view, pieces, scene.weights)
+        of_whole = layouts._nodes(predictor).errors(predictor, whole, self._tally.whole_seen[:, -1])
+        return Errors(*(np.concatenate(pair) for pair in zip(astuple(of_whole), astuple(of_pieces), strict=True)))
+
+
+@dataclass(frozen=True, eq=False)
+class _Nodes:
+    """A quadrature over whole faces: faces (N,), points (N, 3) [mm], areas (N,) [mm²], and what the others know there.
+
+    That is (N, 6), as of `exact.usable.information`.
+    """
+
+    face: np.ndarray
+    points: np.ndarray
+    area: np.ndarray
+    known: np.ndarray
+
+    @staticmethod
+    def of(predictor: Predictor, whole: np.ndarray, seen: np.ndarray, weights: np.ndarray | None) -> "_Nodes":
+        """Over the faces `whole` (W,), which cameras see as `seen` (F, M) says, but for the one more."""
+        surface = predictor.surface
+        unit = np.broadcast_to(UNIT_FRAME, (len(whole), 3, 2))
+        triangles, is_tiny = _small(predictor, whole, Triangles(np.arange(len(whole)), unit))
+        tiny, others = triangles.take(is_tiny), triangles.take(~is_tiny)
+        inner = np.concatenate(
+            [tiny.corner.mean(axis=1), np.einsum("nk,tki->tni", NODES, others.corner).reshape(-1, 2)]
+        )
+        face = whole[np.concatenate([tiny.piece, np.repeat(others.piece, 3)])]
+        area = surface.areas[face] * np.concatenate([_shares(tiny.corner), np.repeat(_shares(others.corner) / 3, 3)])
+        points = surface.points(face, inner)
+        known = predictor.totals(points, seen[face])
+        return _Nodes(face, points, area if weights is None else area * weights[face], known)
+
+    def errors(self, predictor: Predictor, chosen: np.ndarray, seen: np.ndarray) -> Errors:
+        """Over the `chosen` of the faces, (F,) bool, which the one more sees as `seen` (F,) says."""
+        taken = np.flatnonzero(chosen[self.face])
+        face, total = self.face[taken], self.known[taken]
+        now = np.flatnonzero(seen[face])
+        total[now] += information(self.points[taken[now]], predictor.cameras[-1:], predictor.optics)[:, 0]
+        depth, normal = (predictor.deviations(error, face, total) for error in ("depth", "normal"))
+        return Errors(depth, normal, self.area[taken])

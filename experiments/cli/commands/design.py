@@ -1,0 +1,99 @@
+"""camring design: serve the page on which the cameras of a ring are moved."""
+
+from dataclasses import replace
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+from platformdirs import user_state_path
+
+import placement
+from experiments.files.errors import InputError
+from experiments.files.whole import output_folder
+from experiments.request import layout_file
+from experiments.request import rig as rig_file
+from experiments.request.request import Request, request
+from experiments.terminal.console import note
+
+# What the extra brings.
+NEEDED = ("starlette", "uvicorn", "websockets")
+SESSION = "session.json"
+RING_OPTIONS = ("fov", "diameter", "working_distance", "focus", "axis", "zero_towards")
+
+
+def run(
+    mesh: str,
+    rig_path: Path | None,
+    options: dict[str, Any],
+    *,
+    layout: Path | None,
+    depth: float | None,
+    detail: str | None,
+    port: int,
+    browser: bool,
+    fresh: bool,
+) -> None:
+    """Serve; `options` are those of the rig, by the names of their keys."""
+    missing = [name for name in NEEDED if find_spec(name) is None]
+    if missing:
+        raise InputError(
+            f"camring design needs {', '.join(missing)}, which {'is' if len(missing) == 1 else 'are'} not installed; "
+            "pip install 'camring[design]'"
+        )
+    from experiments.design import server
+    from experiments.design.history import History
+    from experiments.design.session import Reader, Session
+    from experiments.design.studio import Studio
+
+    if layout is not None and (rig_path is not None or any(options[name] is not None for name in RING_OPTIONS)):
+        raise InputError(
+            "a layout brings its own ring; leave --rig, --fov, --diameter, --working-distance, --focus, --axis and "
+            "--zero-towards out"
+        )
+    rig = replace(rig_file.rig(rig_path, **options), jitter=1, site_weights=None)
+    made = None if layout is None else layout_file.read(layout)
+    asked = request([mesh], depth, detail, rig, None if made is None else made.ring)
+    kept = _folder(asked) / SESSION
+    output_folder(kept.parent, (SESSION,), force=True)  # another run with this mesh would write into it
+    reader = Reader(asked.name, _mesh(asked), rig.constraints)
+    first, why = _first(asked, made, reader), "start" if made is None else f"opened from {made.path.name}"
+    history = None if fresh else History.read(kept, reader.design)
+    if history is None:
+        history = History(first, why)
+    else:
+        note(f"restored {len(history.tried)} layouts that were tried before; --fresh forgets them")
+        if made is not None or rig_path is not None or any(value is not None for value in options.values()):
+            history.add(first, why)
+
+    def opened(address: str) -> None:
+        print(address, flush=True)
+        note("open this address in a browser on this machine; Ctrl-C ends it, and what was tried is kept")
+        if browser:
+            server.open_browser(address)
+
+    server.serve(Studio(asked, Session(reader, history), kept), port, opened)
+
+
+def _folder(asked: Request) -> Path:
+    """Where what is tried with this mesh is kept."""
+    return user_state_path("camring") / "designs" / asked.poses[0].scene.content_hash[:32]
+
+
+def _mesh(asked: Request) -> dict[str, Any]:
+    """What a layout file says of the mesh."""
+    scene, about = asked.poses[0].scene, asked.subjects[0]
+    return {"name": about.name, "sha256": scene.mesh_hash}
+
+
+def _first(asked: Request, made: layout_file.LayoutFile | None, reader: Any) -> Any:
+    """The design to begin with: that of a layout file, else the equidistant one of the request."""
+    from experiments.design.session import first_design
+
+    if made is None:
+        if asked.rig.n_cameras < asked.rig.demand.threshold:
+            raise placement.PlacementError(
+                f"threshold is {asked.rig.demand.threshold} with {asked.rig.n_cameras} cameras; take more cameras"
+            )
+        return first_design(asked.ring, asked.rig, asked.rig.demand)
+    made.refuse_other_mesh(asked.subjects[0].mesh, asked.name, force=False)
+    return reader.design(made)
