@@ -17,8 +17,9 @@ from exact.requests import ASKED, checked, checked_cameras, shows
 from exact.scene import Scene
 from exact.usable.information import information
 from exact.view_sets import ViewSets, sets_of
-from exact.visibility.coverage import BLOCK, Count, Tally, add_views, spread_order
+from exact.visibility.coverage import BLOCK, Count, Pieces, Tally, add_views, spread_order
 from exact.visibility.projection import UNIT_FRAME
+from exact.visibility.triangulated import triangles_in
 
 if TYPE_CHECKING:
     import trimesh
@@ -77,10 +78,9 @@ class OneMoreView:
         return SeenWithOneMore(self, cameras, tally)
 
     def _nodes(self, predictor: Predictor) -> "_Nodes":
-        """Those of the faces that the others see whole or not at all."""
+        """Those of all that the others leave, whole faces and pieces, which one camera more mostly leaves too."""
         if self._known_nodes is None:
-            whole = np.flatnonzero(self._count.active & ~self._count.is_cut)
-            self._known_nodes = _Nodes.of(predictor, whole, self._count.whole_seen, self._scene.weights)
+            self._known_nodes = _Nodes.of(predictor, self._count, self._scene)
         return self._known_nodes
 
 
@@ -105,45 +105,89 @@ class SeenWithOneMore:
         criterion = demand.of(self._cameras, scene.surface)
         whole, pieces = reconstructed(scene.surface, scene.counted, self._tally, criterion)
         predictor = demand.predictor(self._cameras, scene.surface)
+        nodes = layouts._nodes(predictor)
+        known = np.array([nodes.number.get(key, -1) for key in _keys(pieces)], dtype=int)
+        taken, seen = np.zeros((2, nodes.n_whole + len(nodes.number)), dtype=bool)
+        taken[: nodes.n_whole], seen[: nodes.n_whole] = whole[nodes.whole], self._tally.whole_seen[nodes.whole, -1]
+        old = np.flatnonzero(known >= 0)
+        taken[known[old]], seen[known[old]] = True, pieces.seen[old, -1]
         no_face, no_view = np.zeros(0, dtype=int), np.zeros((0, len(self._cameras)), dtype=bool)
-        of_pieces = errors_over(predictor, no_face, no_view, pieces, scene.weights)
-        of_whole = layouts._nodes(predictor).errors(predictor, whole, self._tally.whole_seen[:, -1])
-        return Errors(*(np.concatenate(pair) for pair in zip(astuple(of_whole), astuple(of_pieces), strict=True)))
+        of_new = errors_over(predictor, no_face, no_view, pieces.take(known < 0), scene.weights)
+        of_old = nodes.errors(predictor, taken, seen)
+        return Errors(*(np.concatenate(pair) for pair in zip(astuple(of_old), astuple(of_new), strict=True)))
 
 
 @dataclass(frozen=True, eq=False)
 class _Nodes:
-    """A quadrature over whole faces: faces (N,), points (N, 3) [mm], areas (N,) [mm²], and what the others know there.
+    """A quadrature over whole faces and pieces.
 
-    That is (N, 6), as of `exact.usable.information`.
+    Attributes
+    ----------
+    whole : (W,) int
+        The faces that are whole; after them come the pieces.
+    number : dict
+        The number of each piece, after the faces, by its face and which polygon it is, until it is cut.
+    part : (N,) int
+        The face or piece of each node, by its number.
+    face : (N,) int
+        Its face.
+    points : (N, 3) float
+        Its place [mm].
+    area : (N,) float
+        Area it stands for [mm²].
+    known : (N, 6) float
+        What the others know there, as of `exact.usable.information`.
     """
 
+    whole: np.ndarray
+    number: dict[tuple[int, int], int]
+    part: np.ndarray
     face: np.ndarray
     points: np.ndarray
     area: np.ndarray
     known: np.ndarray
 
+    @property
+    def n_whole(self) -> int:
+        """Number of whole faces."""
+        return len(self.whole)
+
     @staticmethod
-    def of(predictor: Predictor, whole: np.ndarray, seen: np.ndarray, weights: np.ndarray | None) -> "_Nodes":
-        """Over the faces `whole` (W,), which cameras see as `seen` (F, M) says, but for the one more."""
-        surface = predictor.surface
+    def of(predictor: Predictor, count: Count, scene: Scene) -> "_Nodes":
+        """Over all that still waits for views, whoever sees it."""
+        surface, waiting = predictor.surface, count.waiting
+        whole = np.flatnonzero(count.active & ~count.is_cut)
+        faces = np.concatenate([whole, waiting.face])
+        seen = np.concatenate([count.whole_seen[whole], waiting.seen])
+        piece, corner = triangles_in(waiting.polygon)
         unit = np.broadcast_to(UNIT_FRAME, (len(whole), 3, 2))
-        triangles, is_tiny = _small(predictor, whole, Triangles(np.arange(len(whole)), unit))
+        parts = Triangles(
+            np.concatenate([np.arange(len(whole)), len(whole) + piece]), np.concatenate([unit, corner])
+        )  # fmt: skip
+        triangles, is_tiny = _small(predictor, faces, parts)
         tiny, others = triangles.take(is_tiny), triangles.take(~is_tiny)
         inner = np.concatenate(
             [tiny.corner.mean(axis=1), np.einsum("nk,tki->tni", NODES, others.corner).reshape(-1, 2)]
         )
-        face = whole[np.concatenate([tiny.piece, np.repeat(others.piece, 3)])]
+        part = np.concatenate([tiny.piece, np.repeat(others.piece, 3)])
+        face = faces[part]
         area = surface.areas[face] * np.concatenate([_shares(tiny.corner), np.repeat(_shares(others.corner) / 3, 3)])
         points = surface.points(face, inner)
-        known = predictor.totals(points, seen[face])
-        return _Nodes(face, points, area if weights is None else area * weights[face], known)
+        number = {key: len(whole) + at for at, key in enumerate(_keys(waiting))}
+        known = predictor.totals(points, seen[part])
+        area = area if scene.weights is None else area * scene.weights[face]
+        return _Nodes(whole, number, part, face, points, area, known)
 
-    def errors(self, predictor: Predictor, chosen: np.ndarray, seen: np.ndarray) -> Errors:
-        """Over the `chosen` of the faces, (F,) bool, which the one more sees as `seen` (F,) says."""
-        taken = np.flatnonzero(chosen[self.face])
-        face, total = self.face[taken], self.known[taken]
-        now = np.flatnonzero(seen[face])
-        total[now] += information(self.points[taken[now]], predictor.cameras[-1:], predictor.optics)[:, 0]
+    def errors(self, predictor: Predictor, taken: np.ndarray, seen: np.ndarray) -> Errors:
+        """Over the faces and pieces `taken` (P,) bool, which the one more sees as `seen` (P,) says."""
+        nodes = np.flatnonzero(taken[self.part])
+        face, total = self.face[nodes], self.known[nodes]
+        now = np.flatnonzero(seen[self.part[nodes]])
+        total[now] += information(self.points[nodes[now]], predictor.cameras[-1:], predictor.optics)[:, 0]
         depth, normal = (predictor.deviations(error, face, total) for error in ("depth", "normal"))
-        return Errors(depth, normal, self.area[taken])
+        return Errors(depth, normal, self.area[nodes])
+
+
+def _keys(pieces: Pieces) -> list[tuple[int, int]]:
+    """What tells pieces apart as long as they are not cut: faces, and which polygons, which faces may share."""
+    return [(face, id(polygon)) for face, polygon in zip(pieces.face.tolist(), pieces.polygon, strict=True)]

@@ -71,8 +71,8 @@ class Design:
         """A design whose fixed cameras are those that the constraints name [rad]."""
         theta = np.mod(np.asarray(angles, dtype=np.float64), TURN)
         away = np.abs(np.sin((theta[:, None] - np.array(constraints.fixed)[None, :]) / 2))
-        fixed = (away < SAME_ANGLE).any(axis=1)
-        missing = np.degrees(np.array(constraints.fixed)[~(away < SAME_ANGLE).any(axis=0)])
+        fixed, there = (np.any(away < SAME_ANGLE, axis=axis) for axis in (1, 0))
+        missing = np.degrees(np.array(constraints.fixed)[~there])
         if len(missing):
             raise InputError(f"no camera sits at the fixed angle of {missing[0]:g} degrees; put one there")
         # A baseline may be asked for in two places; where the page changes it, there must be one.

@@ -49,6 +49,8 @@ class ExactAnswers:
     def of(self, design: Design, moved: int | None = None) -> Iterator[tuple[str, Any]]:
         """What is known of a design, the first first: its area, its error, its surface, and the equidistant layout.
 
+        The latter comes before the surface where it is known, and at the end in any case.
+
         `moved` is the camera that is likely to be moved next.
         """
         last = len(design.angles) - 1 if moved is None or moved >= len(design.angles) else moved
@@ -58,6 +60,8 @@ class ExactAnswers:
         order = np.array([*range(last), *range(last + 1, len(design.angles)), last])
         per_camera = (seen.sets.areas @ seen.sets.seen)[np.argsort(order)]
         yield "exact", {"area": area, "error": _error(seen, design), "cameras": per_camera.tolist()}
+        if self._even_key(design) in self._even:
+            yield "equidistant", self._equidistant(design)
         yield "surface", packed_surface(self._scene, seen.sets, design, order)
         yield "equidistant", self._equidistant(design)
 
@@ -73,8 +77,12 @@ class ExactAnswers:
             self._others.popitem(last=False)
         return self._others[key].seen(design.ring.cameras([design.angles[last]])[0])
 
+    @staticmethod
+    def _even_key(design: Design) -> tuple:
+        return design.ring, design.whole, len(design.angles)
+
     def _equidistant(self, design: Design) -> dict[str, float | None]:
-        key = design.ring, design.whole, len(design.angles)
+        key = self._even_key(design)
         if key not in self._even:
             cameras = design.ring.cameras(design.equidistant)
             seen = exact.OneMoreView(self._scene, cameras[:-1], demand=design.whole).seen(cameras[-1])

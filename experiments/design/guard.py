@@ -48,12 +48,12 @@ class Guard:
 
         async def with_headers(message: Message) -> None:
             if message["type"] == "http.response.start":
-                message = message | {"headers": [*message.get("headers", ()), *self._headers]}
+                message = {**message, "headers": [*message.get("headers", ()), *self._headers]}
             await send(message)
 
         path = self._path_behind(scope)
         if path is not None:
-            await self._app(scope | {"path": path, "raw_path": path.encode()}, receive, with_headers)
+            await self._app({**scope, "path": path, "raw_path": path.encode()}, receive, with_headers)
         elif scope["type"] == "websocket":
             await send({"type": "websocket.close", "code": 1008})  # before it is accepted: 403
         else:

@@ -90,7 +90,7 @@ class History:
         return bool(self._after)
 
     def add(self, design: Design, why: str, look: bool = True) -> int:
-        """Try another design and, if asked for, look at it; its number. The one that is looked at is not added again."""
+        """Try another design, and look at it; its number. The one that is looked at is not added again."""
         if design == self.now.design:
             return self.at
         number = max(self.tried) + 1

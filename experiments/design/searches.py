@@ -129,14 +129,16 @@ def serve(pipe: Connection, asked: Request) -> None:
     while True:
         question: Asked = latest(pipe)
 
+        (design,) = question.about
+
         def tell(kind: str, found: Any, number: int = question.number) -> None:
             pipe.send(Answer(number, kind, found))
 
         try:
             if question.what in SEARCHES:
-                tell("done", SEARCHES[question.what](asked, *question.about, tell))
+                tell("done", SEARCHES[question.what](asked, design, tell))
             else:
-                tell("done", FILES[question.what][0](asked, *question.about, tell))
+                tell("done", FILES[question.what][0](asked, design, tell))
         except Exception as error:
             tell("refused", refusal(error))
 

@@ -2,10 +2,12 @@
 
 import asyncio
 import secrets
+import signal
 import socket
+import threading
 import webbrowser
-from collections.abc import AsyncIterator, Callable
-from contextlib import asynccontextmanager, nullcontext
+from collections.abc import AsyncIterator, Callable, Iterator
+from contextlib import asynccontextmanager, contextmanager
 from importlib.resources import files
 from typing import Any
 
@@ -114,10 +116,31 @@ async def _hear(socket: WebSocket, hear: Callable[[str], None]) -> None:
 
 
 class _Server(uvicorn.Server):
-    """Leaves signals to the command line, which has said what they mean."""
+    """Stops serving when it is asked to end, and leaves it to the command line to say so."""
 
-    def capture_signals(self):
-        return nullcontext()
+    @contextmanager
+    def capture_signals(self) -> Iterator[None]:
+        """In place of uvicorn's own, which knows nothing of a terminal that is closed."""
+        asked: list[int] = []
+
+        def stop(number: int, _: object) -> None:
+            asked.append(number)
+            self.should_exit = True
+
+        numbers = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
+        if threading.current_thread() is not threading.main_thread():
+            numbers = []
+        before = {one: signal.getsignal(one) for one in numbers}
+        heard = {one: handler for one, handler in before.items() if handler not in (signal.SIG_IGN, None)}
+        for one in heard:
+            signal.signal(one, stop)
+        try:
+            yield
+        finally:
+            for one, handler in heard.items():
+                signal.signal(one, handler)
+        for one in asked[:1]:
+            signal.raise_signal(one)
 
 
 def serve(studio: Studio, port: int, opened: Callable[[str], None]) -> None:

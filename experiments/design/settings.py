@@ -76,9 +76,8 @@ class Setting:
         elif value is not None:
             value = value * self.factor
         part = _part(design, self.part)
-        if self.index is not None:
-            value = self._pair(getattr(part, self.field), value)
-        changed = replace(part, **{self.field: value})
+        new: Any = value if self.index is None else self._pair(getattr(part, self.field), value)
+        changed = replace(part, **{self.field: new})
         if self.part == "limits":
             return replace(design, demand=replace(design.demand, limits=changed))
         return replace(design, **{self.part: changed})

@@ -19,6 +19,8 @@ from experiments.files.whole import written_whole
 from experiments.request.request import Request
 
 DIED = "the process that computes was stopped from outside, most likely since memory ran out; it starts anew"
+# What a layout is called that a search has found.
+FOUND = {"improve": "improved", "optimise": "optimised", "one more": "one camera more"}
 BUSY = "a search or a file is under way; wait, or stop it"
 
 
@@ -64,6 +66,7 @@ class Studio:
         self._exact: Worker | None = None
         self._search: Worker | None = None
         self._number = 0  # of the question to the exact worker: of every layout that is looked at
+        self._asked_last: tuple[int, int | None] = (0, None)
         self._design: Design | None = None
         self._found: dict[str, Any] = {}
         self._surface: bytes | None = None
@@ -87,7 +90,17 @@ class Studio:
             if worker is not None:
                 worker.end()
         with suppress(InputError):
-            self._write(self._session.history.text(self._session.reader.mesh))
+            self.keep()
+
+    def keep(self) -> None:
+        """Keep the session in its file now.
+
+        Raises
+        ------
+        InputError
+            If it cannot be written.
+        """
+        self._write(self._session.history.text(self._session.reader.mesh))
 
     def open_window(self) -> Window:
         """A window that is told everything from now on."""
@@ -146,12 +159,15 @@ class Studio:
 
     def _look(self) -> None:
         """Have the numbers of what is looked at computed, if it is something else than before."""
-        if self._session.shown == self._design:
+        design, moved = self._session.shown, self._session.moved
+        if design != self._design:
+            self._design, self._found, self._number = design, {}, self._number + 1
+            self._has_moved.set()
+        else:
             self._tell("state", None)
-            return
-        self._design, self._found, self._number = self._session.shown, {}, self._number + 1
-        self._ask()
-        self._has_moved.set()
+        if (self._number, moved) != self._asked_last:  # a hand on another camera: its next move will need less
+            self._asked_last = self._number, moved
+            self._ask()
 
     def _ask(self) -> None:
         if self._exact is None:
@@ -247,9 +263,8 @@ class Studio:
         """Note what a search has found; it is looked at if nobody has moved anything since."""
         session = self._session
         is_waited_for = session.hand is None and session.history.at == self._job_at
-        what = (self._job or {})["what"]
-        number = session.history.add(design, {"improve": "improved", "optimise": "optimised"}.get(what, "one camera more"),
-                                     look=is_waited_for)  # fmt: skip
+        why = FOUND[(self._job or {})["what"]]
+        number = session.history.add(design, why, look=is_waited_for)
         if is_waited_for:
             self._job_at = number
         self._has_changed.set()

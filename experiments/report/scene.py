@@ -222,10 +222,18 @@ def _geometry(scene: exact.Scene, sets: exact.ViewSets):
 
 
 def views_words(count: int, shades: int, n_cameras: int, demand: exact.Demand) -> str:
+    """What a colour stands for: that many views, of which from `shades` on are not told apart."""
     more = " or more" if count == shades < n_cameras else ""
     cameras = f"{count or 'no'}{more} camera{'' if count == 1 and not more else 's'}" if count else "no camera"
     return f"seen by {cameras}{' (too few)' if 0 < count < demand.threshold else ''}"
 
 
 def hex_colour(colour: np.ndarray) -> str:
+    """As a page takes it: red, green and blue, (3,) from 0 to 1.
+
+    Examples
+    --------
+    >>> hex_colour(np.array([1.0, 0.5, 0.0]))
+    '#ff8000'
+    """
     return "#" + "".join(f"{round(255 * part):02x}" for part in colour.tolist())

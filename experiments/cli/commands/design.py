@@ -65,13 +65,16 @@ def run(
         if made is not None or rig_path is not None or any(value is not None for value in options.values()):
             history.add(first, why)
 
+    studio = Studio(asked, Session(reader, history), kept)
+    studio.keep()
+
     def opened(address: str) -> None:
         print(address, flush=True)
         note("open this address in a browser on this machine; Ctrl-C ends it, and what was tried is kept")
         if browser:
             server.open_browser(address)
 
-    server.serve(Studio(asked, Session(reader, history), kept), port, opened)
+    server.serve(studio, port, opened)
 
 
 def _folder(asked: Request) -> Path:

@@ -34,8 +34,7 @@ export class Numbers {
     at("words").textContent = state.words + (state.even_breaks.length ? ` (the equidistant layout breaks the constraints: ${state.even_breaks[0]})` : "");
     if (exact.is_whole && !this.wasWhole) performance.mark("exact numbers shown");
     this.wasWhole = exact.is_whole;
-    document.documentElement.dataset.look = String(state.look);
-    document.documentElement.dataset.known = exact.is_whole && even ? String(state.look) : "";
+    document.documentElement.dataset.numbers = exact.is_whole && even ? "known" : "computing";
     this.cameras(state);
   }
 
@@ -47,7 +46,7 @@ export class Numbers {
       const input = where.firstChild, box = fixed.firstChild;
       if (document.activeElement !== input) input.value = (angle * DEGREES).toFixed(3);
       input.disabled = state.fixed[number];
-      position.textContent = state.positions[number].map((one) => one.toFixed(2)).join(", ");
+      position.textContent = state.positions[number].map((one) => one.toFixed(1)).join(", ");
       put(sees, state.exact.cameras ? state.exact.cameras[number] : undefined, 2);
       box.checked = state.fixed[number];
       this.rows.rows[number].cells[5].firstChild.disabled = state.fixed[number] || state.angles.length === 1;
@@ -65,7 +64,7 @@ export class Numbers {
     });
     const fixed = element("input", { type: "checkbox", "aria-label": `${name} is fixed` });
     fixed.addEventListener("change", () => this.link.send({ do: "fix", camera: number, fixed: fixed.checked }));
-    const remove = element("button", { type: "button", "aria-label": `remove ${name}` }, "Remove");
+    const remove = element("button", { type: "button", "aria-label": `remove ${name}`, title: `remove ${name}` }, "✕");
     remove.addEventListener("click", () => this.link.send({ do: "remove", camera: number }));
     return element(
       "tr", {}, element("th", {}, String(number + 1)), element("td", {}, angle), element("td"), element("td"),

@@ -98,7 +98,7 @@ export class Surface {
     });
     const middle = low.clone().add(high).multiplyScalar(0.5), size = high.distanceTo(low);
     this.camera.up.copy(axis);
-    this.camera.position.copy(middle).addScaledVector(ahead, -0.45 * size).addScaledVector(axis, 1.6 * size);
+    this.camera.position.copy(middle).addScaledVector(ahead, -0.35 * size).addScaledVector(axis, 1.35 * size);
     this.camera.near = size / 100;
     this.camera.far = 20 * size;
     this.controls.target.copy(middle);
