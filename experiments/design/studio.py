@@ -21,6 +21,8 @@ from experiments.request.request import Request
 DIED = "the process that computes was stopped from outside, most likely since memory ran out; it starts anew"
 # What a layout is called that a search has found.
 FOUND = {"improve": "improved", "optimise": "optimised", "one more": "one camera more"}
+# A hand that has not moved for this long rests [s]: more than there is between two frames.
+PAUSE = 0.04
 BUSY = "a search or a file is under way; wait, or stop it"
 
 
@@ -66,7 +68,8 @@ class Studio:
         self._exact: Worker | None = None
         self._search: Worker | None = None
         self._number = 0  # of the question to the exact worker: of every layout that is looked at
-        self._asked_last: tuple[int, int | None] = (0, None)
+        self._pause: asyncio.TimerHandle | None = None
+        self._moved: int | None = None
         self._design: Design | None = None
         self._found: dict[str, Any] = {}
         self._surface: bytes | None = None
@@ -163,11 +166,15 @@ class Studio:
         if design != self._design:
             self._design, self._found, self._number = design, {}, self._number + 1
             self._has_moved.set()
+            if self._pause is not None:
+                self._pause.cancel()
+            # Of a hand that moves on nobody would see the answer.
+            self._pause = self._loop.call_later(PAUSE if self._session.hand else 0.0, self._ask)
         else:
             self._tell("state", None)
-        if (self._number, moved) != self._asked_last:  # a hand on another camera: its next move will need less
-            self._asked_last = self._number, moved
-            self._ask()
+            if moved != self._moved:  # a hand on another camera: what the others see will be known when it moves
+                self._ask()
+        self._moved = moved
 
     def _ask(self) -> None:
         if self._exact is None:
