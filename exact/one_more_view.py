@@ -11,7 +11,7 @@ from exact.cameras import Camera
 from exact.demand import every_view
 from exact.predicted.bound import Predictor
 from exact.predicted.errors import NODES, Errors, _shares, _small, errors_over
-from exact.predicted.reconstructed import reconstructed
+from exact.predicted.reconstructed import divided, reconstructed
 from exact.predicted.triangles import Triangles
 from exact.requests import ASKED, checked, checked_cameras, shows
 from exact.scene import Scene
@@ -19,7 +19,7 @@ from exact.usable.information import information
 from exact.view_sets import ViewSets, sets_of
 from exact.visibility.coverage import BLOCK, Count, Pieces, Tally, add_views, spread_order
 from exact.visibility.projection import UNIT_FRAME
-from exact.visibility.triangulated import triangles_in
+from exact.visibility.triangulated import triangles_in, triangulated
 
 if TYPE_CHECKING:
     import trimesh
@@ -115,6 +115,27 @@ class SeenWithOneMore:
         of_new = errors_over(predictor, no_face, no_view, pieces.take(known < 0), scene.weights)
         of_old = nodes.errors(predictor, taken, seen)
         return Errors(*(np.concatenate(pair) for pair in zip(astuple(of_old), astuple(of_new), strict=True)))
+
+    def to_mesh(self) -> "trimesh.Trimesh":
+        """The counted surface, cut where who sees it, or whether it is reconstructed, changes.
+
+        Returns
+        -------
+        trimesh.Trimesh
+            `face_attributes` of each triangle: "parent", the face it comes from; "seen", (N, M) bool, which cameras see
+            it; "met", whether it is reconstructed; "error", at its centre, along what the demand says [mm].
+        """
+        scene, demand = self._layouts._scene, self._layouts._demand
+        surface, criterion = scene.surface, demand.of(self._cameras, scene.surface)
+        tally, whole_met, piece_met = divided(surface, scene.counted, self._tally, criterion)
+        whole = np.flatnonzero(scene.counted & ~tally.is_cut & (surface.areas > 0))
+        mesh, piece = triangulated(scene.mesh, whole, tally.pieces.face, tally.pieces.polygon)
+        attributes, predictor = mesh.face_attributes, demand.predictor(self._cameras, surface)
+        attributes["seen"] = np.concatenate([tally.whole_seen[whole], tally.pieces.seen[piece]])
+        attributes["met"] = np.concatenate([whole_met[whole], piece_met[piece]])
+        total = predictor.totals(np.asarray(mesh.triangles_center), attributes["seen"])
+        attributes["error"] = predictor.deviations(demand.error, attributes["parent"], total)
+        return mesh
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,6 +16,8 @@ from placement.layouts.open_arcs import TURN, open_arcs
 
 # The colours of the page tell that many views apart, and its drawing has a bit for each camera.
 MOST_CAMERAS = 24
+# Of an angle in degrees, as it is shown.
+DIGITS = 3
 # A camera of a file is a fixed one if it is this close to the angle given for that [rad].
 SAME_ANGLE = 1e-9
 
@@ -120,7 +122,7 @@ class Design:
                 "or a smaller separation"
             )
         widest = arcs[np.argmax(arcs[:, 1] - arcs[:, 0])]
-        place = float(np.mod(widest.mean(), TURN)) if angle is None else _nearest(arcs, angle)
+        place = _nearest(arcs, float(widest.mean()) if angle is None else angle)
         return replace(self, angles=(*self.angles, place), fixed=(*self.fixed, False))
 
     def without(self, camera: int) -> "Design":
@@ -168,15 +170,31 @@ class Design:
 def _nearest(arcs: np.ndarray, angle: float) -> float:
     """The point of some arcs (A, 2) that is nearest to an angle, in [0, 2 pi) [rad].
 
+    At a whole number of `DIGITS`, so that the angle that is shown is the angle that is meant, where an arc holds one.
+
     Examples
     --------
-    >>> _nearest(np.array([[1.0, 2.0], [4.0, 7.0]]), 0.9), round(_nearest(np.array([[1.0, 2.0]]), 6.0), 3)
-    (1.0, 1.0)
+    >>> float(np.degrees(_nearest(np.radians([[10.0, 20.0], [40.0, 70.0]]), np.radians(9.0))).round(9))
+    10.0
+    >>> float(np.degrees(_nearest(np.radians([[10.00025, 20.0]]), np.radians(-30.0))).round(9))
+    10.001
     """
     if not len(arcs):
         raise InputError("there is no place on the ring where it may sit; take a wider ring, or a smaller separation")
-    inside = np.mod(angle - arcs[:, 0], TURN) <= arcs[:, 1] - arcs[:, 0]
-    if inside.any():
-        return float(np.mod(angle, TURN))
-    ends = arcs.ravel()
-    return float(np.mod(ends[np.argmin(np.abs(np.sin((ends - angle) / 2)))], TURN))
+    low, high = np.degrees(arcs).T
+    low, high = _up(low), -_up(-high)
+    if (low <= high).any():
+        low, high = low[low <= high], high[low <= high]
+    else:
+        low, high = np.degrees(arcs).T
+    wanted = round(float(np.degrees(angle)), DIGITS)
+    inside = np.mod(wanted - low, 360.0) <= high - low
+    ends = np.concatenate([low, high])
+    nearest = ends[np.argmin(np.abs(np.sin(np.radians(ends - wanted) / 2)))]
+    return float(np.radians(np.mod(wanted if inside.any() else nearest, 360.0).round(9)))
+
+
+def _up(degrees: np.ndarray) -> np.ndarray:
+    """The next angles of `DIGITS` that are not less [degrees]."""
+    scale = 10**DIGITS
+    return np.ceil(degrees * scale - 1e-6) / scale

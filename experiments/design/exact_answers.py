@@ -6,7 +6,7 @@ from collections import OrderedDict
 from collections.abc import Iterator
 from functools import cache
 from multiprocessing.connection import Connection
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,6 +15,9 @@ from exact.show import TOO_NEAR_COLOUR, UNCOUNTED_COLOUR, colours, too_near
 from experiments.design.design import MOST_CAMERAS, Design
 from experiments.design.worker import Answer, Asked, latest, refusal
 from experiments.report.scene import MISSED_COLOUR, MOST_SHADES, SEEN_COLOUR, hex_colour, views_words
+
+if TYPE_CHECKING:
+    import trimesh
 
 # Layouts of all cameras but one whose views are kept: that of the hand, and those of the last ones it held.
 MOST_KEPT = 6
@@ -62,7 +65,7 @@ class ExactAnswers:
         yield "exact", {"area": area, "error": _error(seen, design), "cameras": per_camera.tolist()}
         if self._even_key(design) in self._even:
             yield "equidistant", self._equidistant(design)
-        yield "surface", packed_surface(self._scene, seen.sets, design, order)
+        yield "surface", packed_surface(self._scene, seen.to_mesh(), design, order)
         yield "equidistant", self._equidistant(design)
 
     def _seen(self, design: Design, last: int):
@@ -98,35 +101,27 @@ def _error(seen: Any, design: Design) -> float | None:
     return found if np.isfinite(found) else None
 
 
-def packed_surface(scene: exact.Scene, sets: exact.ViewSets, design: Design, order: np.ndarray) -> bytes:
-    """The surface cut where the set of cameras changes, for the page.
+def packed_surface(scene: exact.Scene, mesh: "trimesh.Trimesh", design: Design, order: np.ndarray) -> bytes:
+    """The surface cut where the set of cameras changes, as `SeenWithOneMore.to_mesh` gives it, for the page.
 
-    `order` (M,) is which camera of the design each of those of the sets is.
+    `order` (M,) is which camera of the design each of those of the mesh is.
 
     The length of the JSON that follows, as 4 bytes, little-endian like all of it; the JSON, with the numbers of
     vertices and triangles; vertices (V, 3) [mm] as float32; triangles (N, 3) as uint32; who sees each, (N,) uint32, a
     bit for each camera and those of `RECONSTRUCTED` and `COUNTED`; errors (N,) [mm] as float32, not finite where there
     is none.
     """
-    mesh, demand = sets.to_mesh(), sets.demand
-    own = np.asarray(mesh.face_attributes["set"])
-    left_out = np.flatnonzero(~scene.counted)
+    demand, left_out = design.whole, np.flatnonzero(~scene.counted)
     bits = np.uint32(1) << order.astype(np.uint32)
-    mask = np.append((sets.seen * bits).sum(axis=1, dtype=np.uint32), np.uint32(0))
-    met = np.append(sets.met(), False)
-    seen = np.concatenate([sets.seen, np.zeros((1, len(order)), dtype=bool)])[own]
-    predictor = demand.predictor(design.ring.cameras(np.array(design.angles)[order]), scene.surface)
-    total = predictor.totals(np.asarray(mesh.triangles_center), seen)
-    error = predictor.deviations(demand.error, np.asarray(mesh.face_attributes["parent"]), total)
-    is_met = met[own]
-    if demand.max_error is not None:
-        is_met &= error <= demand.max_error
-    told = mask[own] | np.uint32(COUNTED) | np.where(is_met, np.uint32(RECONSTRUCTED), np.uint32(0))
+    told = (mesh.face_attributes["seen"] * bits).sum(axis=1, dtype=np.uint32) | np.uint32(COUNTED)
+    is_met = np.asarray(mesh.face_attributes["met"])
+    told |= np.where(is_met, np.uint32(RECONSTRUCTED), np.uint32(0))
+    error = np.where(is_met, mesh.face_attributes["error"], np.inf)
     faces = np.concatenate([mesh.faces, np.asarray(scene.everything.faces)[left_out] + len(mesh.vertices)])
     used, index = np.unique(faces, return_inverse=True)
     vertices = np.concatenate([mesh.vertices, scene.everything.vertices])[used]
     told = np.concatenate([told, np.zeros(len(left_out), dtype=np.uint32)])
-    error = np.concatenate([np.where(is_met, error, np.inf), np.full(len(left_out), np.inf)])
+    error = np.concatenate([error, np.full(len(left_out), np.inf)])
     palette, most = _palette(demand, len(order))
     head = {
         "shades": palette, "most": most, "ramp": _ramp(),

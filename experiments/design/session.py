@@ -94,7 +94,7 @@ class Session:
         if set(message) != {"do", *fields}:
             raise InputError(f"a message {kind!r} has {', '.join(fields) or 'nothing'} beside")
         action(self, *[_checked(self, name, message[name]) for name in fields])
-        return kind not in ("drag", "turn")
+        return kind not in ("drag", "nudge", "turn")
 
     def try_out(self, design: Design, why: str) -> None:
         """Try a design; what the hand held is let go."""
@@ -147,6 +147,10 @@ def _told(one: Tried) -> dict[str, Any]:
 def _drag(session: Session, camera: int, angle: float) -> None:
     session.hand, session.moved = session.shown.moved(camera, angle), camera
     session.why = f"camera {camera + 1} moved"
+
+
+def _nudge(session: Session, camera: int, by: float) -> None:
+    _drag(session, camera, session.shown.angles[camera] + by)
 
 
 def _turn(session: Session, name: str, value: float | None) -> None:
@@ -224,6 +228,7 @@ def _open(session: Session, text: str) -> None:
 # What each message asks for: the names of what it holds, and what is done.
 ACTIONS: dict[str, tuple[tuple[str, ...], Callable[..., None]]] = {
     "drag": (("camera", "angle"), _drag),
+    "nudge": (("camera", "by"), _nudge),
     "turn": (("name", "value"), _turn),
     "drop": ((), _drop),
     "let go": ((), _let_go),
@@ -248,6 +253,7 @@ def _checked(session: Session, name: str, value: Any) -> Any:
     fits = {
         "camera": is_count and value < len(session.shown.angles),
         "angle": is_angle,
+        "by": is_angle,
         "start": is_angle,
         "end": is_angle,
         "place": is_angle or value is None,
@@ -259,7 +265,7 @@ def _checked(session: Session, name: str, value: Any) -> Any:
         "text": isinstance(value, str) and len(value) <= MOST_TEXT,
     }[name]
     if not fits:
-        raise InputError(f"{name} is {str(value)[:40]!r}, which it cannot be")
+        raise InputError(f"{name} is {repr(value)[:40]}, which it cannot be")
     return value
 
 

@@ -51,7 +51,7 @@ export class Ring {
     const turns = { ArrowLeft: 1, ArrowUp: 1, ArrowRight: -1, ArrowDown: -1 };
     if (event.key in turns) {
       const step = turns[event.key] * (event.shiftKey ? SMALL : STEP);
-      this.link.send({ do: "drag", camera: number, angle: this.state.angles[number] + step });
+      this.link.send({ do: "nudge", camera: number, by: step });
     } else if (event.key === "Delete" || event.key === "Backspace") {
       this.link.send({ do: "remove", camera: number });
     } else if (event.key.toLowerCase() === "f" && !event.ctrlKey && !event.metaKey) {
