@@ -123,8 +123,10 @@ class Studio:
         return window
 
     def close_window(self, window: Window) -> None:
-        """One window less."""
+        """One window less; what a hand held in it is let go where it is."""
         self._windows.discard(window)
+        if self._session.hand is not None:
+            self.hear(window, '{"do": "drop"}')
 
     def hear(self, window: Window, text: str) -> None:
         """Do what a message of a window asks for; what is refused is told that window alone."""

@@ -7,6 +7,7 @@ import sys
 import threading
 import traceback
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from typing import Any
@@ -49,38 +50,56 @@ class Worker:
     """
 
     def __init__(self, serve: Callable[..., None], arguments: tuple, told: Callable[[Answer | None], None]):
-        context = multiprocessing.get_context("spawn")
-        self._pipe, theirs = context.Pipe()
-        self._process = context.Process(target=_serve, args=(theirs, os.getpid(), serve, arguments), daemon=True)
-        with signals_held_back():  # a terminal sends them to all: the one in charge ends the others
-            self._process.start()
-        theirs.close()
         self._told, self._is_ended = told, False
-        threading.Thread(target=self._listen, daemon=True).start()
+        self._lock, self._waiting = threading.Lock(), []
+        self._process: Any = None
+        # Starting it takes a second, in which the arguments are handed over.
+        threading.Thread(target=self._run, args=(serve, arguments), daemon=True).start()
 
     def ask(self, asked: Asked) -> None:
         """Send a question; it is lost if the process is gone."""
-        try:
-            self._pipe.send(asked)
-        except OSError:
-            pass  # `told` has got None, or is about to
+        with self._lock:
+            if self._process is None:
+                self._waiting.append(asked)
+                return
+        self._send(asked)
 
     def end(self) -> None:
         """End it, whatever it does."""
-        self._is_ended = True
-        self._process.kill()
-        self._process.join()
+        with self._lock:
+            self._is_ended, process = True, self._process
+        if process is not None:
+            process.kill()
+            process.join()
 
-    def _listen(self) -> None:
+    def _send(self, asked: Asked) -> None:
+        with suppress(OSError):  # `told` has got None, or is about to
+            self._pipe.send(asked)
+
+    def _run(self, serve: Callable[..., None], arguments: tuple) -> None:
+        """Start it, and hand on what it answers."""
+        context = multiprocessing.get_context("spawn")
+        self._pipe, theirs = context.Pipe()
+        process = context.Process(target=_serve, args=(theirs, os.getpid(), serve, arguments), daemon=True)
+        with suppress(OSError), signals_held_back():  # a terminal sends them to all: the one in charge ends the others
+            process.start()
+        theirs.close()
+        with self._lock:
+            self._process, waiting = (None if process.pid is None else process), self._waiting
+            if self._is_ended and self._process is not None:
+                process.kill()
+        for asked in waiting:
+            self._send(asked)
         while True:
             try:
                 answer = self._pipe.recv()
             except (EOFError, OSError):
-                if not self._is_ended:
-                    self._told(None)
+                answer = None
+            if self._is_ended:
                 return
-            if not self._is_ended:
-                self._told(answer)
+            self._told(answer)
+            if answer is None:
+                return
 
 
 def latest(pipe: Connection) -> Asked:

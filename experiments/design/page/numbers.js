@@ -11,6 +11,12 @@ function put(cell, value, digits, sign = false) {
   if (cell.textContent !== shown) cell.textContent = shown;
 }
 
+/* Not known while one of them is not, and none where there is none of one. */
+function difference(one, other) {
+  if (one === undefined || other === undefined) return undefined;
+  return one === null || other === null ? null : one - other;
+}
+
 export class Numbers {
   constructor(link) {
     this.link = link;
@@ -20,17 +26,18 @@ export class Numbers {
 
   show(state) {
     const { exact, equidistant: even } = state, n = state.angles.length;
-    const area = exact.area ?? undefined, error = exact.is_whole ? exact.error : undefined;
+    /* Of what is refused nothing will come. */
+    const missing = state.refused ? null : undefined;
+    const area = exact.area ?? missing, error = exact.is_whole ? exact.error : missing;
     at("numbers").querySelector("th").textContent = `${n} camera${n === 1 ? "" : "s"}`;
     put(at("area"), area, 4);
     put(at("error"), error, 4);
     put(at("sampled"), state.sampled ?? undefined, 0);
     put(at("separation"), state.separation, 3);
-    put(at("even-area"), even ? even.area : undefined, 4);
-    put(at("even-error"), even ? even.error : undefined, 4);
-    put(at("gain"), even && area !== undefined ? area - even.area : undefined, 4, true);
-    const bothErrors = even && error !== undefined;
-    put(at("worse"), bothErrors ? (error === null || even.error === null ? null : error - even.error) : undefined, 4, true);
+    put(at("even-area"), even ? even.area : missing, 4);
+    put(at("even-error"), even ? even.error : missing, 4);
+    put(at("gain"), difference(area, even ? even.area : missing), 4, true);
+    put(at("worse"), difference(error, even ? even.error : missing), 4, true);
     at("words").textContent = state.words + (state.even_breaks.length ? ` (the equidistant layout breaks the constraints: ${state.even_breaks[0]})` : "");
     if (exact.is_whole && !this.wasWhole) performance.mark("exact numbers shown");
     this.wasWhole = exact.is_whole;
@@ -47,7 +54,7 @@ export class Numbers {
       if (document.activeElement !== input) input.value = (angle * DEGREES).toFixed(3);
       input.disabled = state.fixed[number];
       position.textContent = state.positions[number].map((one) => one.toFixed(1)).join(", ");
-      put(sees, state.exact.cameras ? state.exact.cameras[number] : undefined, 2);
+      put(sees, state.exact.cameras ? state.exact.cameras[number] : state.refused ? null : undefined, 2);
       box.checked = state.fixed[number];
       this.rows.rows[number].cells[5].firstChild.disabled = state.fixed[number] || state.angles.length === 1;
     });

@@ -57,11 +57,11 @@ def test_killed_in_the_middle_it_is_all_there_again(tmp_path, plate):
             # What the hand holds is not tried yet.
             live.send(json.dumps({"do": "drag", "camera": 0, "angle": 2.9}))
             heard(live, "state", lambda one: one["held"])
-        workers = children(server.process.pid)
-        assert len(workers) >= 2
-        time.sleep(0.3)
-        os.kill(server.process.pid, signal.SIGKILL)
-        server.process.wait()
+            workers = children(server.process.pid)
+            assert len(workers) >= 2
+            time.sleep(0.3)
+            os.kill(server.process.pid, signal.SIGKILL)
+            server.process.wait()
         end = time.monotonic() + 10
         while any(map(alive, workers)) and time.monotonic() < end:
             time.sleep(0.1)
