@@ -14,6 +14,8 @@ from experiments.design.history import History, Numbers, Tried
 from experiments.design.settings import SETTINGS
 from experiments.files.errors import InputError
 from experiments.request import layout_file
+from experiments.request.rig import Rig
+from placement.layouts.arcs import LayoutSpace
 
 # What a message of the page may hold.
 LARGEST_ANGLE = 1e4
@@ -269,12 +271,10 @@ def _checked(session: Session, name: str, value: Any) -> Any:
     return value
 
 
-def first_design(ring: exact.Ring, rig: Any, demand: exact.Demand) -> Design:
+def first_design(ring: exact.Ring, rig: Rig) -> Design:
     """The equidistant layout of a request, or, where it breaks the constraints, one that does not."""
-    from placement.layouts.arcs import LayoutSpace
-
     constraints = rig.constraints
     space = LayoutSpace(ring, rig.n_cameras, constraints)
     even = ring.equidistant(rig.n_cameras)
     angles = even if space.allows(even) else space.random(np.random.default_rng(rig.seed))
-    return Design.of(ring, demand, constraints, angles.tolist())
+    return Design.of(ring, rig.demand, constraints, angles.tolist())

@@ -185,15 +185,19 @@ class Studio:
         self._exact.ask(Asked(self._number, "", (self._design, self._session.moved)))
 
     async def _paint(self) -> None:
-        """Tell of what is looked at as soon as the samples have been asked, and of no layout twice."""
+        """Tell of what is looked at as soon as the samples have been asked."""
         while True:
             await self._has_moved.wait()
             self._has_moved.clear()
             design = self._session.shown
-            sampled = await asyncio.to_thread(self._sampled.area, design)
+            try:
+                sampled = await asyncio.to_thread(self._sampled.area, design)
+            except Exception as error:
+                sampled = None
+                self._tell("said", {"words": refusal(error)})
             if design == self._design:
                 self._found["sampled"] = sampled
-                self._tell("state", None)
+            self._tell("state", None)
 
     def _exactly(self, answer: Answer | None) -> None:
         """Part of an answer about a layout; if nobody looks at it any more, it is of no interest."""

@@ -3,17 +3,23 @@
 from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from platformdirs import user_state_path
 
-import placement
+from experiments.cli.options import MESH
 from experiments.files.errors import InputError
 from experiments.files.whole import output_folder
 from experiments.request import layout_file
 from experiments.request import rig as rig_file
+from experiments.request.options import keys
 from experiments.request.request import Request, request
+from experiments.request.rig import overridden
 from experiments.terminal.console import note
+
+if TYPE_CHECKING:  # at run time they would bring the extra along
+    from experiments.design.design import Design
+    from experiments.design.session import Reader
 
 # What the extra brings.
 NEEDED = ("starlette", "uvicorn", "websockets")
@@ -45,26 +51,24 @@ def run(
     from experiments.design.session import Reader, Session
     from experiments.design.studio import Studio
 
-    if layout is not None and (rig_path is not None or any(options[name] is not None for name in RING_OPTIONS)):
-        raise InputError(
-            "a layout brings its own ring; leave --rig, --fov, --diameter, --working-distance, --focus, --axis and "
-            "--zero-towards out"
-        )
+    if layout is not None:
+        _refuse_beside_layout(rig_path, options)
     rig = replace(rig_file.rig(rig_path, **options), jitter=1, site_weights=None)
     made = None if layout is None else layout_file.read(layout)
     asked = request([mesh], depth, detail, rig, None if made is None else made.ring)
     kept = _folder(asked) / SESSION
     output_folder(kept.parent, (SESSION,), force=True)  # another run with this mesh would write into it
     reader = Reader(asked.name, _mesh(asked), rig.constraints)
-    first, why = _first(asked, made, reader), "start" if made is None else f"opened from {made.path.name}"
+    first = _first(asked, made, options, reader)
+    why = "start" if made is None else f"opened from {made.path.name}"
     history = None if fresh else History.read(kept, reader.design)
     if history is None:
         history = History(first, why)
     else:
         note(f"restored {len(history.tried)} layouts that were tried before; --fresh forgets them")
-        if made is not None or rig_path is not None or any(value is not None for value in options.values()):
+        given = {name for name, value in options.items() if value is not None}
+        if made is not None or rig_path is not None or given - {*MESH, "seed"}:
             history.add(first, why)
-
     studio = Studio(asked, Session(reader, history), kept)
     studio.keep()
 
@@ -88,15 +92,26 @@ def _mesh(asked: Request) -> dict[str, Any]:
     return {"name": about.name, "sha256": scene.mesh_hash}
 
 
-def _first(asked: Request, made: layout_file.LayoutFile | None, reader: Any) -> Any:
+def _first(asked: Request, made: layout_file.LayoutFile | None, options: dict[str, Any], reader: "Reader") -> "Design":
     """The design to begin with: that of a layout file, else the equidistant one of the request."""
     from experiments.design.session import first_design
 
     if made is None:
-        if asked.rig.n_cameras < asked.rig.demand.threshold:
-            raise placement.PlacementError(
-                f"threshold is {asked.rig.demand.threshold} with {asked.rig.n_cameras} cameras; take more cameras"
-            )
-        return first_design(asked.ring, asked.rig, asked.rig.demand)
+        asked.check_cameras(asked.rig.n_cameras)
+        return first_design(asked.ring, asked.rig)
     made.refuse_other_mesh(asked.subjects[0].mesh, asked.name, force=False)
-    return reader.design(made)
+    demand = overridden(made.moved_to(asked.ring), options)
+    return reader.design(replace(made, ring=asked.ring, demand=demand))
+
+
+def _refuse_beside_layout(rig_path: Path | None, options: dict[str, Any]) -> None:
+    """Refuse what a layout brings along itself."""
+    of_constraints = [name for name, one in keys("Constraints").items() if one.classes == ("Constraints",)]
+    flags = [key.flag for name, key in keys().items() if name in ("count", *RING_OPTIONS, *of_constraints)
+             and options.get(name) is not None]  # fmt: skip
+    flags += ["--rig"] * (rig_path is not None)
+    if flags:
+        raise InputError(
+            f"a layout brings its own ring, cameras and constraints; leave {', '.join(flags)} out, and change them on "
+            "the page"
+        )

@@ -6,6 +6,7 @@ import signal
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 import trimesh
 
@@ -87,6 +88,26 @@ def test_what_is_asked_for_goes_before_what_was_kept(tmp_path, plate):
     with served(tmp_path, plate, "--fresh") as server, server.socket() as live:
         state = heard(live, "state", is_known)
         assert len(state["angles"]) == 4 and state["at"] == 1
+
+
+def test_it_begins_with_a_layout(tmp_path, plate, camring):
+    content = {
+        "format": "camring layout", "version": 1, "angles_deg": [10, 100, 200, 300],
+        "ring": {"diameter_mm": 25, "working_distance_mm": 300, "fov_mm": [30, 20]},
+        "constraints": {"min_separation": 4.0, "fixed": [float(np.radians(100))]},
+    }  # fmt: skip
+    path = tmp_path / "made.json"
+    path.write_text(json.dumps(content), encoding="utf-8")
+    with served(tmp_path, plate, "--layout", path, "--threshold", 3) as server, server.socket() as live:
+        state = heard(live, "state", is_known)
+        assert np.degrees(state["angles"]) == pytest.approx([10, 100, 200, 300])
+        assert state["fixed"] == [False, True, False, False]
+        names = ("diameter", "working_distance", "fov_height", "threshold", "min_separation")
+        assert [state["settings"][name] for name in names] == [25, 300, 20, 3, 4]
+        assert state["words"] == "seen by at least 3 cameras"
+    for more in (("--min-separation", 3), ("--cameras", 4), ("--diameter", 20)):
+        status, _, said = camring("design", plate, "--layout", path, *more, "--no-browser")
+        assert status == 2 and f"leave {more[0]} out" in said
 
 
 def test_two_runs_do_not_write_into_one_session(tmp_path, plate, camring, monkeypatch):
