@@ -74,14 +74,14 @@ def test_killed_in_the_middle_it_is_all_there_again(tmp_path, plate):
         state = heard(live, "state", lambda one: one["at"] == 4)
         assert state["fixed"] == [False, True, False, False]
         status, said = server.end()
-        assert status == 130
+        assert status == 143
         assert "restored 4 layouts that were tried before" in said
         assert "Traceback" not in said and "Warning" not in said
 
 
 def test_what_is_asked_for_goes_before_what_was_kept(tmp_path, plate):
     with served(tmp_path, plate, "--cameras", 3) as server:
-        assert server.end()[0] == 130
+        assert server.end()[0] == 143
     with served(tmp_path, plate, "--cameras", 5) as server, server.socket() as live:
         state = heard(live, "state", is_known)
         assert len(state["angles"]) == 5 and state["at"] == 2
