@@ -1,18 +1,26 @@
-"""Exact areas of layouts that differ in one camera: the views of the others are counted once."""
+"""Layouts that differ in one camera: the views of the others are counted once."""
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import astuple, dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import shapely
 
 from exact.cameras import Camera
-from exact.demand import Criterion
-from exact.predicted.reconstructed import reconstructed
+from exact.demand import Criterion, every_view
+from exact.predicted.bound import Predictor
+from exact.predicted.errors import NODES, Errors, _shares, _small, errors_over
+from exact.predicted.reconstructed import divided, reconstructed
+from exact.predicted.triangles import Triangles
 from exact.requests import ASKED, checked, checked_cameras, shows
 from exact.scene import Scene
-from exact.visibility.coverage import BLOCK, Count, Pieces, add_views, spread_order
+from exact.usable.information import information
+from exact.view_sets import ViewSets, sets_of
+from exact.visibility.coverage import BLOCK, Count, Pieces, Tally, add_views, spread_order
+from exact.visibility.projection import UNIT_FRAME
+from exact.visibility.triangulated import triangles_in, triangulated
 
 if TYPE_CHECKING:
     import trimesh
@@ -102,3 +110,192 @@ class OneMore:
         weight = areas if self._scene.weights is None else areas * self._scene.weights
         of_pieces = 2 * weight[pieces.face] * shapely.area(pieces.polygon)
         return float(weight[whole].sum()) + float(of_pieces.sum())
+
+
+@shows(ASKED)
+class OneMoreView:
+    """View sets and predicted errors of given cameras and one more, for as many choices of that one as are tried.
+
+    Each choice computes one view. It takes longer than the area alone, which `OneMore` gives.
+
+    Parameters
+    ----------
+    mesh : trimesh.Trimesh or Scene
+    others : sequence of Camera
+        Cameras that stay; may be empty.
+    **asked
+        What counts and how much, as for `evaluate`; the threshold is at most the number of cameras with the one more.
+
+    Raises
+    ------
+    ExactError
+        If the request is not possible.
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> from exact import Ring
+    >>> plate = trimesh.Trimesh([[-5, -5, 0], [5, -5, 0], [5, 5, 0], [-5, 5, 0]], [[0, 1, 2], [0, 2, 3]])
+    >>> one, two, three = Ring().cameras([0.0, 1.0, 3.0])
+    >>> layouts = OneMoreView(plate, [one], threshold=2)
+    >>> near, far = layouts.seen(two), layouts.seen(three)
+    >>> near.sets.area().__round__(9), bool(far.errors.rms() < near.errors.rms())
+    (100.0, True)
+    """
+
+    def __init__(self, mesh: "trimesh.Trimesh | Scene", others: Sequence[Camera], **asked: Any):
+        self._scene, self._demand = scene, demand = checked(mesh, asked)
+        self._others = others = checked_cameras(others) if len(others) else ()
+        demand.refuse_fewer(len(others) + 1)
+        count = Count.start(scene.counted & (scene.surface.areas > 0), len(others) + 1, scene.lit)
+        if others:
+            criterion, coming = every_view(demand, (*others, others[0])), np.ones(len(others) + 1, dtype=bool)
+            for block in np.split(spread_order(others), range(BLOCK, len(others), BLOCK)):
+                coming[block] = False
+                count = add_views(count, scene.surface, others, block, coming, criterion)
+        self._count = count
+        self._known_nodes: _Nodes | None = None
+
+    def seen(self, camera: Camera) -> "SeenWithOneMore":
+        """What the others and `camera` see."""
+        cameras, scene = (*self._others, *checked_cameras([camera])), self._scene
+        last, none = np.array([len(self._others)]), np.zeros(len(cameras), dtype=bool)
+        criterion = every_view(self._demand, cameras)
+        tally = add_views(self._count, scene.surface, cameras, last, none, criterion).tally()
+        return SeenWithOneMore(self, cameras, tally)
+
+    def _nodes(self, predictor: Predictor) -> "_Nodes":
+        """Those of all that the others leave, whole faces and pieces, which one camera more mostly leaves too."""
+        if self._known_nodes is None:
+            self._known_nodes = _Nodes.of(predictor, self._count, self._scene)
+        return self._known_nodes
+
+
+class SeenWithOneMore:
+    """What the cameras of a `OneMoreView` see, with one choice of the one more.
+
+    Attributes
+    ----------
+    sets : ViewSets
+        As `view_sets` gives them for all the cameras, the one more last.
+    """
+
+    def __init__(self, layouts: OneMoreView, cameras: tuple[Camera, ...], tally: Tally):
+        self._layouts, self._cameras, self._tally = layouts, cameras, tally
+        self.sets: ViewSets = sets_of(layouts._scene, layouts._demand, cameras, tally)
+
+    @cached_property
+    def errors(self) -> Errors:
+        """Predicted errors over what all of them reconstruct, as `Reconstruction.errors` has them up to rounding."""
+        layouts = self._layouts
+        scene, demand = layouts._scene, layouts._demand
+        criterion = demand.of(self._cameras, scene.surface)
+        whole, pieces = reconstructed(scene.surface, scene.counted, self._tally, criterion)
+        predictor = demand.predictor(self._cameras, scene.surface)
+        nodes = layouts._nodes(predictor)
+        known = np.array([nodes.number.get(key, -1) for key in _keys(pieces)], dtype=int)
+        taken, seen = np.zeros((2, nodes.n_whole + len(nodes.number)), dtype=bool)
+        taken[: nodes.n_whole], seen[: nodes.n_whole] = whole[nodes.whole], self._tally.whole_seen[nodes.whole, -1]
+        old = np.flatnonzero(known >= 0)
+        taken[known[old]], seen[known[old]] = True, pieces.seen[old, -1]
+        no_face, no_view = np.zeros(0, dtype=int), np.zeros((0, len(self._cameras)), dtype=bool)
+        of_new = errors_over(predictor, no_face, no_view, pieces.take(known < 0), scene.weights)
+        of_old = nodes.errors(predictor, taken, seen)
+        return Errors(*(np.concatenate(pair) for pair in zip(astuple(of_old), astuple(of_new), strict=True)))
+
+    def to_mesh(self) -> "trimesh.Trimesh":
+        """The counted surface, cut where who sees it, or whether it is reconstructed, changes.
+
+        Returns
+        -------
+        trimesh.Trimesh
+            `face_attributes` of each triangle: "parent", the face it comes from; "seen", (N, M) bool, which cameras see
+            it; "met", whether it is reconstructed; "error", at its centre, along what the demand says [mm].
+        """
+        scene, demand = self._layouts._scene, self._layouts._demand
+        surface, criterion = scene.surface, demand.of(self._cameras, scene.surface)
+        tally, whole_met, piece_met = divided(surface, scene.counted, self._tally, criterion)
+        whole = np.flatnonzero(scene.counted & ~tally.is_cut & (surface.areas > 0))
+        mesh, piece = triangulated(scene.mesh, whole, tally.pieces.face, tally.pieces.polygon)
+        attributes, predictor = mesh.face_attributes, demand.predictor(self._cameras, surface)
+        attributes["seen"] = np.concatenate([tally.whole_seen[whole], tally.pieces.seen[piece]])
+        attributes["met"] = np.concatenate([whole_met[whole], piece_met[piece]])
+        total = predictor.totals(np.asarray(mesh.triangles_center), attributes["seen"])
+        attributes["error"] = predictor.deviations(demand.error, attributes["parent"], total)
+        return mesh
+
+
+@dataclass(frozen=True, eq=False)
+class _Nodes:
+    """A quadrature over whole faces and pieces.
+
+    Attributes
+    ----------
+    whole : (W,) int
+        The faces that are whole; after them come the pieces.
+    number : dict
+        The number of each piece, after the faces, by its face and which polygon it is, until it is cut.
+    part : (N,) int
+        The face or piece of each node, by its number.
+    face : (N,) int
+        Its face.
+    points : (N, 3) float
+        Its place [mm].
+    area : (N,) float
+        Area it stands for [mm²].
+    known : (N, 6) float
+        What the others know there, as of `exact.usable.information`.
+    """
+
+    whole: np.ndarray
+    number: dict[tuple[int, int], int]
+    part: np.ndarray
+    face: np.ndarray
+    points: np.ndarray
+    area: np.ndarray
+    known: np.ndarray
+
+    @property
+    def n_whole(self) -> int:
+        """Number of whole faces."""
+        return len(self.whole)
+
+    @staticmethod
+    def of(predictor: Predictor, count: Count, scene: Scene) -> "_Nodes":
+        """Over all that still waits for views, whoever sees it."""
+        surface, waiting = predictor.surface, count.waiting
+        whole = np.flatnonzero(count.active & ~count.is_cut)
+        faces = np.concatenate([whole, waiting.face])
+        seen = np.concatenate([count.whole_seen[whole], waiting.seen])
+        piece, corner = triangles_in(waiting.polygon)
+        unit = np.broadcast_to(UNIT_FRAME, (len(whole), 3, 2))
+        parts = Triangles(
+            np.concatenate([np.arange(len(whole)), len(whole) + piece]), np.concatenate([unit, corner])
+        )  # fmt: skip
+        triangles, is_tiny = _small(predictor, faces, parts)
+        tiny, others = triangles.take(is_tiny), triangles.take(~is_tiny)
+        inner = np.concatenate(
+            [tiny.corner.mean(axis=1), np.einsum("nk,tki->tni", NODES, others.corner).reshape(-1, 2)]
+        )
+        part = np.concatenate([tiny.piece, np.repeat(others.piece, 3)])
+        face = faces[part]
+        area = surface.areas[face] * np.concatenate([_shares(tiny.corner), np.repeat(_shares(others.corner) / 3, 3)])
+        points = surface.points(face, inner)
+        number = {key: len(whole) + at for at, key in enumerate(_keys(waiting))}
+        known = predictor.totals(points, seen[part])
+        area = area if scene.weights is None else area * scene.weights[face]
+        return _Nodes(whole, number, part, face, points, area, known)
+
+    def errors(self, predictor: Predictor, taken: np.ndarray, seen: np.ndarray) -> Errors:
+        """Over the faces and pieces `taken` (P,) bool, which the one more sees as `seen` (P,) says."""
+        nodes = np.flatnonzero(taken[self.part])
+        face, total = self.face[nodes], self.known[nodes]
+        now = np.flatnonzero(seen[self.part[nodes]])
+        total[now] += information(self.points[nodes[now]], predictor.cameras[-1:], predictor.optics)[:, 0]
+        depth, normal = (predictor.deviations(error, face, total) for error in ("depth", "normal"))
+        return Errors(depth, normal, self.area[nodes])
+
+
+def _keys(pieces: Pieces) -> list[tuple[int, int]]:
+    """What tells pieces apart as long as they are not cut: faces, and which polygons, which faces may share."""
+    return [(face, id(polygon)) for face, polygon in zip(pieces.face.tolist(), pieces.polygon, strict=True)]

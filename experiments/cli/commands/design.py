@@ -1,5 +1,6 @@
 """camring design: serve the page on which the cameras of a ring are moved."""
 
+import sys
 from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
@@ -15,7 +16,7 @@ from experiments.request import rig as rig_file
 from experiments.request.options import keys
 from experiments.request.request import Request, request
 from experiments.request.rig import overridden
-from experiments.terminal.console import note
+from experiments.terminal.console import note, print_json
 
 if TYPE_CHECKING:  # at run time they would bring the extra along
     from experiments.design.design import Design
@@ -38,6 +39,7 @@ def run(
     port: int,
     browser: bool,
     fresh: bool,
+    as_json: bool,
 ) -> None:
     """Serve; `options` are those of the rig, by the names of their keys."""
     missing = [name for name in NEEDED if find_spec(name) is None]
@@ -73,7 +75,11 @@ def run(
     studio.keep()
 
     def opened(address: str) -> None:
-        print(address, flush=True)
+        if as_json:
+            print_json({"address": address})
+        else:
+            print(address)
+        sys.stdout.flush()  # a pipe, too, is to have it now
         note("open this address in a browser on this machine; Ctrl-C ends it, and what was tried is kept")
         if browser:
             server.open_browser(address)

@@ -23,6 +23,7 @@ def design(
     port: Annotated[int, typer.Option(help="port on this machine; 0 for any that is free")] = 0,
     browser: Annotated[bool, typer.Option(help="open the page in the browser")] = True,
     fresh: Annotated[bool, typer.Option("--fresh", help="forget what was tried with this mesh before")] = False,
+    json: opt.Json = False,
 ) -> None:
     """Move the cameras of a ring in the browser, and see at once what they reconstruct.
 
@@ -35,5 +36,5 @@ def design(
 
     command_design.run(
         mesh, rig, {"count": cameras} | options, layout=layout, depth=depth, detail=detail, port=port,
-        browser=browser, fresh=fresh,
+        browser=browser, fresh=fresh, as_json=json,
     )  # fmt: skip

@@ -26,8 +26,9 @@ class Served:
         command = [sys.executable, "-m", "camring", "design", *map(str, arguments), "--no-browser"]
         pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
         self.process = subprocess.Popen(command, env=environment, **pipes)
-        self.address = self.process.stdout.readline().strip()
-        assert self.address, self.process.stderr.read()
+        said = "".join(self.process.stdout.readline() for _ in range(3 if "--json" in arguments else 1))
+        assert said, self.process.stderr.read()
+        self.address = json.loads(said)["address"] if "--json" in arguments else said.strip()
         self.parts = urllib.parse.urlsplit(self.address)
         self.folder = folder
 

@@ -98,7 +98,7 @@ def test_it_begins_with_a_layout(tmp_path, plate, camring):
     }  # fmt: skip
     path = tmp_path / "made.json"
     path.write_text(json.dumps(content), encoding="utf-8")
-    with served(tmp_path, plate, "--layout", path, "--threshold", 3) as server, server.socket() as live:
+    with served(tmp_path, plate, "--layout", path, "--threshold", 3, "--json") as server, server.socket() as live:
         state = heard(live, "state", is_known)
         assert np.degrees(state["angles"]) == pytest.approx([10, 100, 200, 300])
         assert state["fixed"] == [False, True, False, False]
