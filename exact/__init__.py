@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from exact.drawing import NOT_COUNTED, seen_from
     from exact.errors import ExactError
     from exact.evaluate import areas, evaluate
-    from exact.one_more import OneMore
+    from exact.one_more import OneMore, OneMoreView
     from exact.results import Reconstruction
     from exact.ring import Ring
     from exact.scene import Scene
@@ -30,6 +30,7 @@ __all__ = [
     "Gradient",
     "Limits",
     "OneMore",
+    "OneMoreView",
     "Optics",
     "Reconstruction",
     "Ring",

@@ -1,18 +1,22 @@
-"""Exact areas of layouts that differ in one camera: the views of the others are counted once."""
+"""Layouts that differ in one camera: the views of the others are counted once."""
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import shapely
 
 from exact.cameras import Camera
-from exact.demand import Criterion
-from exact.predicted.reconstructed import reconstructed
+from exact.demand import Criterion, every_view
+from exact.predicted.errors import Errors, errors_over
+from exact.predicted.reconstructed import divided, reconstructed
 from exact.requests import ASKED, checked, checked_cameras, shows
 from exact.scene import Scene
-from exact.visibility.coverage import BLOCK, Count, Pieces, add_views, spread_order
+from exact.view_sets import ViewSets, sets_of
+from exact.visibility.coverage import BLOCK, Count, Pieces, Tally, add_views, spread_order
+from exact.visibility.triangulated import triangulated
 
 if TYPE_CHECKING:
     import trimesh
@@ -102,3 +106,101 @@ class OneMore:
         weight = areas if self._scene.weights is None else areas * self._scene.weights
         of_pieces = 2 * weight[pieces.face] * shapely.area(pieces.polygon)
         return float(weight[whole].sum()) + float(of_pieces.sum())
+
+
+@shows(ASKED)
+class OneMoreView:
+    """View sets and predicted errors of given cameras and one more, for as many choices of that one as are tried.
+
+    Each choice computes one view. It takes longer than the area alone, which `OneMore` gives.
+
+    Parameters
+    ----------
+    mesh : trimesh.Trimesh or Scene
+    others : sequence of Camera
+        Cameras that stay; may be empty.
+    **asked
+        What counts and how much, as for `evaluate`; the threshold is at most the number of cameras with the one more.
+
+    Raises
+    ------
+    ExactError
+        If the request is not possible.
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> from exact import Ring
+    >>> plate = trimesh.Trimesh([[-5, -5, 0], [5, -5, 0], [5, 5, 0], [-5, 5, 0]], [[0, 1, 2], [0, 2, 3]])
+    >>> one, two, three = Ring().cameras([0.0, 1.0, 3.0])
+    >>> layouts = OneMoreView(plate, [one], threshold=2)
+    >>> near, far = layouts.seen(two), layouts.seen(three)
+    >>> near.sets.area().__round__(9), bool(far.errors.rms() < near.errors.rms())
+    (100.0, True)
+    """
+
+    def __init__(self, mesh: "trimesh.Trimesh | Scene", others: Sequence[Camera], **asked: Any):
+        self._scene, self._demand = scene, demand = checked(mesh, asked)
+        self._others = others = checked_cameras(others) if len(others) else ()
+        demand.refuse_fewer(len(others) + 1)
+        count = Count.start(scene.counted & (scene.surface.areas > 0), len(others) + 1, scene.lit)
+        if others:
+            criterion, coming = every_view(demand, (*others, others[0])), np.ones(len(others) + 1, dtype=bool)
+            for block in np.split(spread_order(others), range(BLOCK, len(others), BLOCK)):
+                coming[block] = False
+                count = add_views(count, scene.surface, others, block, coming, criterion)
+        self._count = count
+
+    def seen(self, camera: Camera) -> "SeenWithOneMore":
+        """What the others and `camera` see."""
+        cameras, scene = (*self._others, *checked_cameras([camera])), self._scene
+        last, none = np.array([len(self._others)]), np.zeros(len(cameras), dtype=bool)
+        criterion = every_view(self._demand, cameras)
+        tally = add_views(self._count, scene.surface, cameras, last, none, criterion).tally()
+        return SeenWithOneMore(self, cameras, tally)
+
+
+class SeenWithOneMore:
+    """What the cameras of a `OneMoreView` see, with one choice of the one more.
+
+    Attributes
+    ----------
+    sets : ViewSets
+        As `view_sets` gives them for all the cameras, the one more last.
+    """
+
+    def __init__(self, layouts: OneMoreView, cameras: tuple[Camera, ...], tally: Tally):
+        self._layouts, self._cameras, self._tally = layouts, cameras, tally
+        self.sets: ViewSets = sets_of(layouts._scene, layouts._demand, cameras, tally)
+
+    @cached_property
+    def errors(self) -> Errors:
+        """Predicted errors over what all of them reconstruct, as `Reconstruction.errors` has them up to rounding."""
+        layouts = self._layouts
+        scene, demand = layouts._scene, layouts._demand
+        criterion = demand.of(self._cameras, scene.surface)
+        whole, pieces = reconstructed(scene.surface, scene.counted, self._tally, criterion)
+        predictor = demand.predictor(self._cameras, scene.surface)
+        index = np.flatnonzero(whole)
+        return errors_over(predictor, index, self._tally.whole_seen[index], pieces, scene.weights)
+
+    def to_mesh(self) -> "trimesh.Trimesh":
+        """The counted surface, cut where who sees it, or whether it is reconstructed, changes.
+
+        Returns
+        -------
+        trimesh.Trimesh
+            `face_attributes` of each triangle: "parent", the face it comes from; "seen", (N, M) bool, which cameras see
+            it; "met", whether it is reconstructed; "error", at its centre, along what the demand says [mm].
+        """
+        scene, demand = self._layouts._scene, self._layouts._demand
+        surface, criterion = scene.surface, demand.of(self._cameras, scene.surface)
+        tally, whole_met, piece_met = divided(surface, scene.counted, self._tally, criterion)
+        whole = np.flatnonzero(scene.counted & ~tally.is_cut & (surface.areas > 0))
+        mesh, piece = triangulated(scene.mesh, whole, tally.pieces.face, tally.pieces.polygon)
+        attributes, predictor = mesh.face_attributes, demand.predictor(self._cameras, surface)
+        attributes["seen"] = np.concatenate([tally.whole_seen[whole], tally.pieces.seen[piece]])
+        attributes["met"] = np.concatenate([whole_met[whole], piece_met[piece]])
+        total = predictor.totals(np.asarray(mesh.triangles_center), attributes["seen"])
+        attributes["error"] = predictor.deviations(demand.error, attributes["parent"], total)
+        return mesh

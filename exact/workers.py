@@ -67,11 +67,11 @@ class Workers(ProcessPoolExecutor):
     """
 
     def __init__(self, size: int):
-        with _signals_held_back():  # from the processes that look after semaphores
+        with signals_held_back():  # from the processes that look after semaphores
             # Started only later, it would let the signals through that `submit` holds back.
             resource_tracker.ensure_running()
             parent = (os.getpid(),)
-            super().__init__(size, timeout=IDLE_SECONDS, env=ONE_THREAD, initializer=_leave_with, initargs=parent)
+            super().__init__(size, timeout=IDLE_SECONDS, env=ONE_THREAD, initializer=leave_with, initargs=parent)
         with _state.changed:
             _state.all.add(self)
         # A process of multiprocessing would wait for its own children before anything else ends them.
@@ -87,7 +87,7 @@ class Workers(ProcessPoolExecutor):
                 raise ExactError(_ENDING)
             is_first = self._executor_manager_thread is None
             try:
-                with _signals_held_back():
+                with signals_held_back():
                     future = super().submit(fn, *args, **kwargs)
                 if is_first:
                     _end_before_threads_are_joined()  # and before loky's own such function, which waits for the work
@@ -237,7 +237,7 @@ def shares(surface: Surface, camera: Camera, active: np.ndarray, n: int) -> list
 
 
 @contextmanager
-def _signals_held_back() -> Iterator[None]:
+def signals_held_back() -> Iterator[None]:
     """Processes and threads that are started meanwhile never get one of `STOPPING`."""
     if not hasattr(signal, "pthread_sigmask"):  # on Windows
         yield
@@ -249,7 +249,7 @@ def _signals_held_back() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
-def _leave_with(parent: int) -> None:
+def leave_with(parent: int) -> None:
     """End this process soon after its parent has ended, however it ended."""
 
     def watch() -> None:

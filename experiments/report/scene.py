@@ -159,7 +159,7 @@ def drawn_surface(
         threshold = demand.threshold
         shades = max(threshold, min(n, MOST_SHADES))
         palette = colours(shades, threshold)
-        table = [(_views_words(count, shades, n, demand), _hex(palette[count])) for count in range(shades + 1)]
+        table = [(views_words(count, shades, n, demand), hex_colour(palette[count])) for count in range(shades + 1)]
         count = np.minimum(seen[:, cameras].sum(axis=1), shades)
         table.append((too_near(demand), TOO_NEAR_COLOUR))
         kind = np.where((count >= threshold) & ~met, shades + 1, count)
@@ -221,11 +221,19 @@ def _geometry(scene: exact.Scene, sets: exact.ViewSets):
     return vertices[used].astype(np.uint16), index.reshape(-1, 3).astype(np.uint32), of, nowhere, origin, step
 
 
-def _views_words(count: int, shades: int, n_cameras: int, demand: exact.Demand) -> str:
+def views_words(count: int, shades: int, n_cameras: int, demand: exact.Demand) -> str:
+    """What a colour stands for: that many views, of which from `shades` on are not told apart."""
     more = " or more" if count == shades < n_cameras else ""
     cameras = f"{count or 'no'}{more} camera{'' if count == 1 and not more else 's'}" if count else "no camera"
     return f"seen by {cameras}{' (too few)' if 0 < count < demand.threshold else ''}"
 
 
-def _hex(colour: np.ndarray) -> str:
+def hex_colour(colour: np.ndarray) -> str:
+    """As a page takes it: red, green and blue, (3,) from 0 to 1.
+
+    Examples
+    --------
+    >>> hex_colour(np.array([1.0, 0.5, 0.0]))
+    '#ff8000'
+    """
     return "#" + "".join(f"{round(255 * part):02x}" for part in colour.tolist())

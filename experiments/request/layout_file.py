@@ -208,9 +208,24 @@ def read(path: Path) -> LayoutFile:
         If it is not there, not JSON, or says too little or something else than a layout.
     """
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
+        text = path.read_text(encoding="utf-8")
     except OSError as error:
         raise InputError(f"cannot read layout {path}: {error.strerror}") from error
+    except ValueError as error:
+        raise InputError(f"{path} is not a layout file: it holds no valid JSON ({error})") from error
+    return understood(text, path)
+
+
+def understood(text: str, path: Path) -> LayoutFile:
+    """The layout that the text of a file gives; `path` is what messages call it.
+
+    Raises
+    ------
+    InputError
+        As by `read`.
+    """
+    try:
+        content = json.loads(text)
     except (ValueError, RecursionError) as error:
         raise InputError(f"{path} is not a layout file: it holds no valid JSON ({error})") from error
     if not isinstance(content, dict) or content.get("format") != FORMAT:

@@ -92,8 +92,8 @@ class Request:
         space = LayoutSpace(self.ring, n_cameras, self.rig.constraints)
         demanded(self.rig.demand, space.constraints, self.ring, space.n_cameras)
 
-    def problem(self, progress) -> placement.Problem:
-        """The question to `placement`; `progress` is told what is being done."""
+    def problem(self, progress, workers: int | None = None) -> placement.Problem:
+        """The question to `placement`; `progress` is told what is being done. By default `workers` are all cores."""
         return placement.Problem(
             [pose.scene for pose in self.poses],
             self.ring,
@@ -103,6 +103,7 @@ class Request:
             site_weights=[pose.weight for pose in self.poses],
             objective=self.rig.objective,  # type: ignore[arg-type] - checked by Problem
             progress=progress,
+            workers=workers,
             memory=RememberedAreas(),
         )
 

@@ -25,6 +25,7 @@ COMMANDS = {
     "evaluate": "evaluate part.stl --cameras 2 --out out --json",
     "compare": "compare made/layout.json made/layout.json --mesh part.stl --out out --json",
     "report": "report made/layout.json --mesh part.stl --out out --json",
+    "design": "design part.stl --cameras 2 --no-browser",
     "export": "export made/layout.json --format csv --json",
     "site": "site circ_flat --out site.stl --json",
     "rig init": "rig init new.toml --json",

@@ -4,7 +4,7 @@ import itertools
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import exact
@@ -31,12 +31,38 @@ def test_one_more_camera(name, seed, threshold, with_baseline):
         assert close(others.area(camera), alone.area, mesh)
 
 
+@settings(few, max_examples=6)
+@given(mesh_names, seeds, thresholds, st.booleans(), st.sampled_from(["depth", "normal"]))
+def test_one_more_view(name, seed, threshold, with_limits, error):
+    rng, mesh, cameras = request(seed, name, 5)
+    exclude, weights = counted(rng, mesh)
+    limits = exact.Limits(max_incidence=1.2) if with_limits else exact.Limits()
+    asked = dict(threshold=threshold, exclude=exclude, weights=weights, limits=limits, error=error)
+    bounded = asked
+    if threshold > 1:
+        largest = exact.evaluate(mesh, cameras[:4], **asked).error_quantiles([0.5])[0]
+        bounded = asked if np.isnan(largest) else asked | {"max_error": largest}
+    for demand in (asked, bounded):
+        others = exact.OneMoreView(mesh, cameras[:3], **demand)
+        for camera in (cameras[4], cameras[3]):
+            alone = exact.evaluate(mesh, [*cameras[:3], camera], **demand)
+            seen = others.seen(camera)
+            assert close(seen.sets.area(), alone.area, mesh)
+            assert close(seen.errors.weights.sum(), alone.area, mesh)
+            drawn = seen.to_mesh()
+            is_met, factor = drawn.face_attributes["met"], weights[drawn.face_attributes["parent"]]
+            assert close(drawn.area_faces[is_met] @ factor[is_met], alone.area, mesh)
+            if threshold > 1 and alone.area > 1e-6 * mesh.area:
+                assert seen.errors.rms(error) == pytest.approx(alone.error_rms, rel=1e-6)
+
+
 def test_one_more_camera_and_no_other():
     mesh = MESHES["channel"]
     _, _, (camera, other) = request(3, "channel", 2)
     nobody = exact.OneMore(mesh, [], threshold=1)
     assert nobody.area(camera) == pytest.approx(exact.view(mesh, camera).area)
     assert nobody.area(other) == pytest.approx(exact.view(mesh, other).area)
+    assert exact.OneMoreView(mesh, [], threshold=1).seen(camera).sets.area() == pytest.approx(nobody.area(camera))
 
 
 @few

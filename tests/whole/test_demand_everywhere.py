@@ -45,6 +45,8 @@ def test_a_further_field_works_in_every_evaluation(wall, wider):
     assert exact.areas(wall, [cameras], **more).tolist() == [area]
     assert exact.gradient(wall, cameras, **more).area == area
     assert exact.OneMore(wall, cameras[:3], **more).area(cameras[3]) == pytest.approx(area, rel=1e-12)
+    seen = exact.OneMoreView(wall, cameras[:3], **more).seen(cameras[3])
+    assert seen.sets.area() == pytest.approx(area, rel=1e-12) == seen.errors.weights.sum()
     assert exact.view_sets(wall, cameras).area(**more) == pytest.approx(area, rel=1e-12)
     one, other = (placement.triangulation(wall, RING, LAYOUT, n_samples=2000, **asked) for asked in (more, less))
     assert one.mean_best_angle == other.mean_best_angle > placement.triangulation(wall, RING, [0.0]).mean_best_angle
@@ -70,8 +72,8 @@ def test_a_further_field_works_in_every_search(wall, wider):
 
 @pytest.mark.parametrize(
     "function",
-    [exact.evaluate, exact.areas, exact.gradient, exact.OneMore, placement.optimise, placement.certify,
-     placement.recommend_count, placement.Problem, placement.triangulation],
+    [exact.evaluate, exact.areas, exact.gradient, exact.OneMore, exact.OneMoreView, placement.optimise,
+     placement.certify, placement.recommend_count, placement.Problem, placement.triangulation],
 )  # fmt: skip
 def test_help_shows_every_keyword_and_no_other_is_taken(wall, function):
     shown = inspect.signature(function).parameters

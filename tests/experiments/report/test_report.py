@@ -2,9 +2,7 @@
 
 import csv
 import json
-import os
 import re
-import shutil
 
 import matplotlib.image
 import numpy as np
@@ -19,22 +17,10 @@ from experiments.report import request_text as report_words
 from experiments.report.scene import drawn_surface
 from experiments.request import rig as rig_file
 from experiments.request.layout_file import read
+from tests.support.browser import FLAGS, PATIENCE, browser_path
 
-BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
-# WebGL without a graphics card; a container's root may not have a sandbox.
-FLAGS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 # A name that would do something if it were taken for HTML; the rest of the report must be whole around it.
 NASTY = "<img src=x onerror=alert(1)> & <script>alert(2)<script> scán.stl"
-PATIENCE = 120_000  # ms; drawing without a graphics card on a busy machine
-
-
-def browser_path():
-    found = next(filter(None, map(shutil.which, BROWSERS)), None) or os.environ.get("CAMRING_BROWSER")
-    assert found, (
-        f"no browser to look at reports with: none of {', '.join(BROWSERS)} is installed. On Debian and Ubuntu: "
-        "apt-get install chromium. Or give the path of a Chromium or Chrome in CAMRING_BROWSER"
-    )
-    return found
 
 
 @pytest.fixture(scope="module")

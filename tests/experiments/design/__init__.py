@@ -1,0 +1,1 @@
+"""The designer: its page in a real browser, its server, and what is behind them."""
