@@ -7,7 +7,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from experiments.design import exact_answers, searches
+from experiments.design import exact_answers, searches, whole_ring
 from experiments.design.design import Design
 from experiments.design.history import Numbers
 from experiments.design.sampled import SampledAreas
@@ -17,12 +17,15 @@ from experiments.design.worker import Answer, Asked, Worker, refusal
 from experiments.files.errors import InputError
 from experiments.files.whole import written_whole
 from experiments.request.request import Request
+from placement.search.ring_maximum import unbased
 
 DIED = "the process that computes was stopped from outside, most likely since memory ran out; it starts anew"
 # What a layout is called that a search has found.
 FOUND = {"improve": "improved", "optimise": "optimised", "one more": "one camera more"}
 # A hand that has not moved for this long rests [s]: more than there is between two frames.
 PAUSE = 0.04
+# The ring maximum takes seconds; it is asked for when ring and demand have been the same for this long [s].
+RING_PAUSE = 1.0
 BUSY = "a search or a file is under way; wait, or stop it"
 
 
@@ -73,6 +76,11 @@ class Studio:
         self._design: Design | None = None
         self._found: dict[str, Any] = {}
         self._surface: bytes | None = None
+        self._ring: Worker | None = None
+        self._ring_key: tuple | None = None  # all that the ring maximum of what is looked at depends on
+        self._ring_areas: dict[tuple, float | None] = {}
+        self._ring_number = 0
+        self._ring_pause: asyncio.TimerHandle | None = None
         self._job: dict[str, Any] | None = None
         self._job_number = 0
         self._job_at = 0
@@ -89,7 +97,7 @@ class Studio:
         """End all that was begun."""
         for task in self._tasks:
             task.cancel()
-        for worker in (self._exact, self._search):
+        for worker in (self._exact, self._search, self._ring):
             if worker is not None:
                 worker.end()
         with suppress(InputError):
@@ -172,6 +180,7 @@ class Studio:
                 self._pause.cancel()
             # Of a hand that moves on nobody would see the answer.
             self._pause = self._loop.call_later(PAUSE if self._session.hand else 0.0, self._ask)
+            self._look_around(design)
         else:
             self._tell("state", None)
             if moved != self._moved:  # a hand on another camera: what the others see will be known when it moves
@@ -183,6 +192,36 @@ class Studio:
             scene = self._asked.poses[0].scene
             self._exact = Worker(exact_answers.answer, (scene,), self._from_thread(self._exactly))
         self._exact.ask(Asked(self._number, "", (self._design, self._session.moved)))
+
+    def _look_around(self, design: Design) -> None:
+        """Have the ring maximum computed, if ring or demand are others than before."""
+        key = design.ring, unbased(design.whole)
+        if key == self._ring_key:
+            return
+        self._ring_key, self._ring_number = key, self._ring_number + 1
+        if self._ring_pause is not None:
+            self._ring_pause.cancel()
+        if self._ring is not None:  # what it may be at, nobody wants to know any more
+            self._ring.end()
+            self._ring = None
+        if key not in self._ring_areas:
+            self._ring_pause = self._loop.call_later(RING_PAUSE, self._ask_around, design)
+
+    def _ask_around(self, design: Design) -> None:
+        self._ring = Worker(whole_ring.serve, (self._asked,), self._from_thread(self._around))
+        self._ring.ask(Asked(self._ring_number, "", (design,)))
+
+    def _around(self, answer: Answer | None) -> None:
+        """The ring maximum, or that there is none."""
+        if answer is not None and answer.number != self._ring_number:
+            return
+        if self._ring_key is not None:
+            area = answer.found if answer is not None and answer.kind == "ring area" else None
+            self._ring_areas[self._ring_key] = area
+        if self._ring is not None:
+            self._ring.end()
+            self._ring = None
+        self._tell("state", None)
 
     async def _paint(self) -> None:
         """Tell of what is looked at as soon as the samples have been asked."""
@@ -230,6 +269,7 @@ class Studio:
                 "sampled": self._found.get("sampled"),
                 "exact": exactly | {"is_whole": "exact" in self._found},
                 "equidistant": self._found.get("equidistant"),
+                "ring": {"area": self._ring_areas[self._ring_key]} if self._ring_key in self._ring_areas else None,
                 "refused": self._found.get("refused"),
             },
         )

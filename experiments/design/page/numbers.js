@@ -17,6 +17,12 @@ function difference(one, other) {
   return one === null || other === null ? null : one - other;
 }
 
+/* Percent of the ring maximum; not known while one of both is not. */
+function percent(area, ring) {
+  if (area === undefined || area === null) return area;
+  return ring === null ? undefined : ring.area ? (100 * area) / ring.area : null;
+}
+
 export class Numbers {
   constructor(link) {
     this.link = link;
@@ -37,10 +43,15 @@ export class Numbers {
     put(at("even-area"), even ? even.area : missing, 4);
     put(at("even-error"), even ? even.error : missing, 4);
     put(at("gain"), difference(area, even ? even.area : missing), 4, true);
+    const fraction = percent(area, state.ring), evenFraction = percent(even ? even.area : missing, state.ring);
+    put(at("fraction"), fraction, 2);
+    put(at("even-fraction"), evenFraction, 2);
+    put(at("fraction-gain"), difference(fraction, evenFraction), 2, true);
     put(at("worse"), difference(error, even ? even.error : missing), 4, true);
     at("words").textContent = state.words + (state.even_breaks.length ? ` (the equidistant layout breaks the constraints: ${state.even_breaks[0]})` : "");
     if (exact.is_whole && !this.wasWhole) performance.mark("exact numbers shown");
     this.wasWhole = exact.is_whole;
+    document.documentElement.dataset.ring = state.ring ? "known" : "computing";
     document.documentElement.dataset.numbers = exact.is_whole && even ? "known" : "computing";
     this.cameras(state);
   }

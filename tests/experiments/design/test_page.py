@@ -73,6 +73,22 @@ def said_angles(window):
     return ",".join(f"{angle:.3f}" for angle in window.angles())
 
 
+def test_fractions_are_those_of_the_ring_maximum(window, scan):
+    # Of 8 cameras in a short search; by heart, the same layout and the equidistant one against it.
+    mesh, ring = trimesh.load(scan), exact.Ring()
+    areas = [
+        exact.evaluate(mesh, ring.cameras(angles)).area
+        for angles in (np.radians(window.angles()), ring.equidistant(3), ring.equidistant(8))
+    ]
+    window.page.wait_for_selector("html[data-ring=known]", timeout=PATIENCE)
+    ours, even = (float(window.number(name)) for name in ("fraction", "even-fraction"))
+    assert [ours, even] == pytest.approx([100 * areas[0] / areas[2], 100 * areas[1] / areas[2]], abs=0.006)
+    assert float(window.number("fraction-gain")) == pytest.approx(ours - even, abs=0.011)
+    drag(window, 0, 75.0)
+    share = float(window.number("fraction")) / ours
+    assert share == pytest.approx(float(window.number("area")) / areas[0], abs=2e-4)
+
+
 def test_a_dragged_camera_has_the_numbers_that_evaluate_prints(window, camring, scan, rig):
     before = window.number("area"), window.number("error")
     drag(window, 0, 75.0)
