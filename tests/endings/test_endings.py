@@ -25,7 +25,7 @@ COMMANDS = {
     "evaluate": "evaluate part.stl --cameras 2 --out out --json",
     "compare": "compare made/layout.json made/layout.json --mesh part.stl --out out --json",
     "report": "report made/layout.json --mesh part.stl --out out --json",
-    "design": "design part.stl --cameras 2 --no-browser",
+    "design": "design part.stl --cameras 2 --no-browser --fresh",
     "export": "export made/layout.json --format csv --json",
     "site": "site circ_flat --out site.stl --json",
     "rig init": "rig init new.toml --json",
@@ -62,6 +62,7 @@ def run(tmp_path_factory, quick_search):
         main(["optimise", str(folder / "part.stl"), "--rig", str(rig), "--out", str(folder / "made")])
     # Coverage traces nothing that is timed.
     environment = {name: value for name, value in os.environ.items() if not name.startswith("COVERAGE_")}
+    environment["XDG_STATE_HOME"] = str(folder / "state")  # not that of who runs the tests
     pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True, "env": environment}
     with subprocess.Popen([sys.executable, "-W", "ignore", HERE / "struck.py", folder], **pipes) as program:
 

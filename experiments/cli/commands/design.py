@@ -67,7 +67,8 @@ def run(
     if history is None:
         history = History(first, why)
     else:
-        note(f"restored {len(history.tried)} layouts that were tried before; --fresh forgets them")
+        tried = len(history.tried)
+        note(f"restored {tried} {'layout' if tried == 1 else 'layouts'} tried before; --fresh starts anew")
         given = {name for name, value in options.items() if value is not None}
         if made is not None or rig_path is not None or given - {*MESH, "seed"}:
             history.add(first, why)

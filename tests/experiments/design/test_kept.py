@@ -75,7 +75,7 @@ def test_killed_in_the_middle_it_is_all_there_again(tmp_path, plate):
         assert state["fixed"] == [False, True, False, False]
         status, said = server.end()
         assert status == 143
-        assert "restored 4 layouts that were tried before" in said
+        assert "restored 4 layouts tried before" in said
         assert "Traceback" not in said and "Warning" not in said
 
 
