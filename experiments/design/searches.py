@@ -16,6 +16,7 @@ import numpy as np
 
 import exact
 import placement
+from experiments.design.curves import CURVES
 from experiments.design.design import Design
 from experiments.design.sampled import SampledAreas
 from experiments.design.worker import Answer, Asked, latest, refusal
@@ -137,6 +138,8 @@ def serve(pipe: Connection, asked: Request) -> None:
         try:
             if question.what in SEARCHES:
                 tell("done", SEARCHES[question.what](asked, design, tell))
+            elif question.what in CURVES:
+                tell("done", CURVES[question.what](_problem(asked, design, tell), design, tell))
             else:
                 tell("done", FILES[question.what][0](asked, design, tell))
         except Exception as error:

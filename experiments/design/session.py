@@ -9,7 +9,7 @@ import numpy as np
 
 import exact
 import placement
-from experiments.design.design import Design
+from experiments.design.design import MOST_CAMERAS, Design
 from experiments.design.history import History, Numbers, Tried
 from experiments.design.settings import SETTINGS
 from experiments.files.errors import InputError
@@ -209,6 +209,12 @@ def _spread(session: Session) -> None:
     session.try_out(design.at(design.equidistant), "equidistant")
 
 
+def _place(session: Session, angles: list[float]) -> None:
+    n = len(angles)
+    session.try_out(session.shown.at(angles), f"{n} camera{'' if n == 1 else 's'} from a curve")
+    session.moved = None
+
+
 def _step(forward: bool) -> Callable[[Session], None]:
     def step(session: Session) -> None:
         session.hand = None
@@ -240,6 +246,7 @@ ACTIONS: dict[str, tuple[tuple[str, ...], Callable[..., None]]] = {
     "forbid": (("start", "end"), _forbid),
     "allow": (("arc",), _allow),
     "equidistant": ((), _spread),
+    "place": (("angles",), _place),
     "undo": ((), _step(False)),
     "redo": ((), _step(True)),
     "go": (("number",), _go),
@@ -249,8 +256,7 @@ ACTIONS: dict[str, tuple[tuple[str, ...], Callable[..., None]]] = {
 
 def _checked(session: Session, name: str, value: Any) -> Any:
     """A value of a message, if it is what its name says."""
-    is_number = isinstance(value, int | float) and not isinstance(value, bool)
-    is_angle = is_number and abs(value) <= LARGEST_ANGLE  # false of what is not finite
+    is_number, is_angle = _is_number(value), _is_angle(value)
     is_count = isinstance(value, int) and not isinstance(value, bool) and 0 <= value <= 10**9
     fits = {
         "camera": is_count and value < len(session.shown.angles),
@@ -264,11 +270,20 @@ def _checked(session: Session, name: str, value: Any) -> Any:
         "number": is_count,
         "name": isinstance(value, str) and value in SETTINGS,
         "value": is_number or value is None,
+        "angles": isinstance(value, list) and 0 < len(value) <= MOST_CAMERAS and all(map(_is_angle, value)),
         "text": isinstance(value, str) and len(value) <= MOST_TEXT,
     }[name]
     if not fits:
         raise InputError(f"{name} is {repr(value)[:40]}, which it cannot be")
     return value
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def _is_angle(value: Any) -> bool:
+    return _is_number(value) and abs(value) <= LARGEST_ANGLE  # false of what is not finite
 
 
 def first_design(ring: exact.Ring, rig: Rig) -> Design:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from experiments.design import exact_answers, searches, whole_ring
+from experiments.design.curves import CURVES
 from experiments.design.design import Design
 from experiments.design.history import Numbers
 from experiments.design.sampled import SampledAreas
@@ -84,6 +85,7 @@ class Studio:
         self._job: dict[str, Any] | None = None
         self._job_number = 0
         self._job_at = 0
+        self._curves: dict[str, dict[str, Any]] = {}
         self._file: asyncio.Future[bytes] | None = None
 
     async def start(self) -> None:
@@ -125,6 +127,7 @@ class Studio:
         window.put("hello", _text("hello", hello))
         window.put("history", _text("history", self._session.tried()))
         window.put("job", _text("job", {"job": self._job}))
+        window.put("curves", _text("curves", {"curves": self._curves}))
         window.put("state", self._state())
         if self._surface is not None:
             window.put("surface", self._surface)
@@ -144,7 +147,7 @@ class Studio:
             except (ValueError, RecursionError):
                 raise InputError("this message is no JSON") from None
             kind = message.get("do") if isinstance(message, dict) else None
-            if kind == "stop" or (isinstance(kind, str) and kind in searches.SEARCHES):
+            if kind == "stop" or (isinstance(kind, str) and kind in {*searches.SEARCHES, *CURVES}):
                 if set(message) != {"do"}:
                     raise InputError(f"a message {kind!r} has nothing beside")
                 _ = self._stop() if kind == "stop" else self._begin(kind, self._session.shown)
@@ -284,6 +287,10 @@ class Studio:
         self._job_number += 1
         self._job_at = self._session.history.at
         self._job = {"what": what, "stage": "starting", "done": 0, "total": 0}
+        if what in CURVES:
+            n, diameter = len(design.angles), design.ring.diameter
+            of = f"{n} cameras on a ring" if what == "trade-off" else "A ring"
+            self._curves[what] = {"points": [], "words": f"{of} of {diameter:g} mm; {design.whole.words}"}
         self._search.ask(Asked(self._job_number, what, (design,)))
         self._tell("job", {"job": self._job})
 
@@ -303,6 +310,9 @@ class Studio:
             stage, done, total = answer.found
             self._job = self._job | {"stage": stage, "done": done, "total": total}
             self._tell("job", {"job": self._job})
+        elif answer.kind == "point":
+            self._curves[self._job["what"]]["points"].append(answer.found)
+            self._tell("curves", {"curves": self._curves})
         elif answer.kind == "refused":
             self._over(InputError(answer.found))
         elif isinstance(answer.found, Design):

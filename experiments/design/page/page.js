@@ -3,6 +3,7 @@ import { connect } from "./link.js";
 import { Ring } from "./ring.js";
 import { Surface } from "./surface.js";
 import { History } from "./history.js";
+import { Curves } from "./curves.js";
 import { Numbers } from "./numbers.js";
 import { Request } from "./request.js";
 
@@ -13,6 +14,7 @@ const surface = new Surface(at("surface"), at("legend"), at("colouring"));
 const numbers = new Numbers(link);
 const request = new Request(at("settings"), at("arcs"), at("forbid"), link);
 const history = new History(at("tried"), at("beside"), link);
+const curves = new Curves(at("curves"), link);
 let saying = 0;
 
 function hear(message) {
@@ -38,6 +40,8 @@ function hear(message) {
     at("redo").disabled = !message.can_redo;
   } else if (message.kind === "job") {
     showJob(message.job);
+  } else if (message.kind === "curves") {
+    curves.show(message.curves);
   } else if (message.kind === "said") {
     say(message.words);
   }
@@ -87,7 +91,7 @@ async function save(name) {
 
 const doing = {
   undo: "undo", redo: "redo", equidistant: "equidistant", improve: "improve", "one-more": "one more",
-  optimise: "optimise", stop: "stop",
+  optimise: "optimise", counts: "how many cameras", "trade-off": "trade-off", stop: "stop",
 };
 for (const [id, what] of Object.entries(doing)) at(id).addEventListener("click", () => link.send({ do: what }));
 at("add").addEventListener("click", () => link.send({ do: "add", place: null }));

@@ -145,7 +145,20 @@ def test_a_hundred_megabytes_are_not_read(server):
 def nonsense(rng):
     """A message as no page sends it."""
     values = [None, True, -1, 0, 1, 10**30, 1.5, float("nan"), float("inf"), "", "<b>", "x" * 3000, [[]], {"do": 1}]
-    known = ["drag", "nudge", "turn", "add", "remove", "fix", "forbid", "go", "improve", "optimise", "one more"]
+    known = [
+        "drag",
+        "nudge",
+        "turn",
+        "add",
+        "remove",
+        "fix",
+        "forbid",
+        "go",
+        "place",
+        "improve",
+        "optimise",
+        "one more",
+    ]
     kinds = [*known, "allow", "open", "save", "__class__", ""]
     names = ["camera", "angle", "by", "name", "value", "place", "fixed", "start", "end", "arc", "number", "text", "x"]
     message = {"do": rng.choice([*kinds, *values])}
@@ -191,6 +204,10 @@ def test_a_thousand_random_messages_change_nothing(server):
         ({"do": "allow", "arc": 0}, "there is no forbidden arc 1"),
         ({"do": "go", "number": 99}, "no layout 99"),
         ({"do": "open", "text": "{}"}, "the file is not a layout file"),
+        ({"do": "place", "angles": []}, "angles is []"),
+        ({"do": "place", "angles": [0.0, "1"]}, "angles is [0.0, '1']"),
+        ({"do": "place", "angles": [0.1 * i for i in range(99)]}, "angles is [0.0, 0.1"),
+        ({"do": "place", "angles": [0.0, 0.001]}, "do not meet the constraints"),
         ({"do": "open", "text": "x" * 600_000}, "text is 'xxx"),
     ],
 )

@@ -247,6 +247,35 @@ def test_improve_and_stop(window):
     assert len(window.angles()) == 4
 
 
+def test_curves_fill_in_and_their_points_are_layouts(window, camring, scan):
+    page = window.page
+    page.click("#counts")
+    # Points come one number of cameras after another, and stay when it is stopped.
+    page.wait_for_selector("#curves .point[aria-label^='optimised: 4 cameras']", state="attached", timeout=PATIENCE)
+    page.click("#stop")
+    page.wait_for_selector("#job[hidden]", state="attached")
+    label = page.locator("#curves .point[aria-label^='optimised: 2 cameras']").get_attribute("aria-label")
+    page.locator("#curves .point[aria-label^='optimised: 2 cameras']").click()
+    page.wait_for_selector("#tried >> text=2 cameras from a curve")
+    window.known()
+    assert len(window.angles()) == 2
+    # Angles are shown to a thousandth of a degree.
+    area = exact.evaluate(trimesh.load(scan), exact.Ring().cameras(np.radians(window.angles()))).area
+    assert float(window.number("area")) == pytest.approx(area, rel=1e-4)
+    page.wait_for_selector("html[data-ring=known]", timeout=PATIENCE)
+    assert float(re.search(r"([\d.]+) %", label)[1]) == pytest.approx(float(window.number("fraction")), abs=0.011)
+    page.click("#trade-off")
+    page.wait_for_selector("svg[aria-label='trade-off'] .point.optimised", state="attached", timeout=PATIENCE)
+    page.wait_for_selector("#job[hidden]", state="attached", timeout=PATIENCE)
+    point = page.locator("svg[aria-label='trade-off'] .point.optimised").last
+    error = float(re.search(r"([\d.]+) mm", point.get_attribute("aria-label"))[1])
+    point.focus()
+    page.keyboard.press("Enter")
+    page.wait_for_timeout(300)
+    window.known()
+    assert float(window.number("error")) == pytest.approx(error, abs=1.01e-4)
+
+
 def saved(window, name, tmp_path):
     with window.page.expect_download(timeout=PATIENCE) as coming:
         window.page.click(f"button[data-file='{name}']")
