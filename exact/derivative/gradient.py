@@ -129,7 +129,7 @@ def gradient(mesh: "trimesh.Trimesh | Scene", cameras: Sequence[Camera], *, work
     >>> plate = trimesh.Trimesh([[-50, -50, 0], [50, -50, 0], [50, 50, 0], [-50, 50, 0]], [[0, 1, 2], [0, 2, 3]])
     >>> above = Camera.look_at((0, 0, 100), (0, 0, 0), up=(0, 1, 0), fov=(20, 10))
     >>> found = gradient(plate, [above], threshold=1)
-    >>> round(found.area, 9), round(found.position[0, 2], 9)  # 20 h/100 times 10 h/100: it grows with the height
+    >>> round(found.area, 9), round(float(found.position[0, 2]), 9)  # 20 h/100 times 10 h/100: it grows with the height
     (200.0, 4.0)
     """
     scene, demand = checked(mesh, asked)

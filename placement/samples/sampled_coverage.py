@@ -369,11 +369,11 @@ def _variances(count: np.ndarray, moment: np.ndarray, ring: exact.Ring, noise: n
     return np.divide(noise, spread, out=np.full(np.broadcast(noise, spread).shape, np.inf), where=spread > LEAST_SPREAD)
 
 
-def _counted(weights: np.ndarray, squares: np.ndarray, variance: np.ndarray, counts: np.ndarray):
-    """Weights that count, and their sums of squares, from those of unit variance; infinite only where there is any."""
-    weights, known = np.where(counts, weights, 0.0), np.isfinite(variance)
-    squares = np.where(known & (weights > 0), squares, 0.0) * np.where(known, variance, 0.0)
-    return weights, np.where(~known & (weights > 0), np.inf, squares)
+def _counted(sums: np.ndarray, squares: np.ndarray, variance: np.ndarray, counts: np.ndarray):
+    """Sums of weights that count, and of squares, from those of unit variance; infinite only where there is any."""
+    sums, known = np.where(counts, sums, 0.0), np.isfinite(variance)
+    squares = np.where(known & (sums > 0), squares, 0.0) * np.where(known, variance, 0.0)
+    return sums, np.where(~known & (sums > 0), np.inf, squares)
 
 
 def _worth(sums: Float[np.ndarray, "S ..."]) -> Float[np.ndarray, "..."]:

@@ -65,13 +65,15 @@ def test_numbers_and_surface_are_those_of_the_evaluator(scene, name):
         asked = asked if moved is None else asked.moved(moved, angle)
         told = dict(answers.of(asked, moved))
         seen = exact.evaluate(scene, RING.cameras(asked.angles), demand=asked.whole)
-        assert told["area"] == told["exact"]["area"] == pytest.approx(seen.area, rel=1e-12)
+        # Where an error is bounded, areas are right to 1e-6 however pieces are cut, and those are cut in another order.
+        same = 1e-12 if asked.whole.max_error is None else 1e-9
+        assert told["area"] == told["exact"]["area"] == pytest.approx(seen.area, rel=same)
         if asked.whole.threshold == 1:
             assert told["exact"]["error"] is None
         else:
             assert told["exact"]["error"] == pytest.approx(seen.error_rms, rel=1e-9)
         even = exact.evaluate(scene, RING.cameras(RING.equidistant(4)), demand=asked.whole)
-        assert told["equidistant"]["area"] == pytest.approx(even.area, rel=1e-12)
+        assert told["equidistant"]["area"] == pytest.approx(even.area, rel=same)
         single = [
             exact.evaluate(scene, [camera], threshold=1, limits=asked.whole.limits, optics=asked.whole.optics).area
             for camera in RING.cameras(asked.angles)
