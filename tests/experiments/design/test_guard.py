@@ -160,7 +160,22 @@ def nonsense(rng):
         "one more",
     ]
     kinds = [*known, "allow", "open", "save", "__class__", ""]
-    names = ["camera", "angle", "angles", "by", "name", "value", "place", "fixed", "start", "end", "arc", "number", "text", "x"]
+    names = [
+        "camera",
+        "angle",
+        "angles",
+        "by",
+        "name",
+        "value",
+        "place",
+        "fixed",
+        "start",
+        "end",
+        "arc",
+        "number",
+        "text",
+        "x",
+    ]
     message = {"do": rng.choice([*kinds, *values])}
     for name in rng.sample(names, rng.randint(0, 4)):
         message[name] = rng.choice(values)
