@@ -56,13 +56,8 @@ class OneMore:
         self._scene, self._demand = scene, demand = checked(mesh, asked)
         self._others = others = checked_cameras(others) if len(others) else ()
         demand.refuse_fewer(len(others) + 1)
-        surface = scene.surface
-        count = Count.start(scene.counted & (surface.areas > 0), len(others) + 1, scene.lit)
-        criterion = self._so_far()
-        coming = np.ones(len(others) + 1, dtype=bool)
-        for block in np.split(spread_order(others), range(BLOCK, len(others), BLOCK)) if others else []:
-            coming[block] = False
-            count = add_views(count, surface, others, block, coming, criterion)
+        surface, criterion = scene.surface, self._so_far()
+        count = _of_others(scene, others, criterion)
         uncut = np.flatnonzero(scene.counted & ~count.is_cut & (surface.areas > 0))
         decided = np.zeros(len(surface.areas), dtype=bool)
         decided[uncut[criterion.met(count.whole_seen[uncut], uncut)]] = True
@@ -143,13 +138,8 @@ class OneMoreView:
         self._scene, self._demand = scene, demand = checked(mesh, asked)
         self._others = others = checked_cameras(others) if len(others) else ()
         demand.refuse_fewer(len(others) + 1)
-        count = Count.start(scene.counted & (scene.surface.areas > 0), len(others) + 1, scene.lit)
-        if others:
-            criterion, coming = every_view(demand, (*others, others[0])), np.ones(len(others) + 1, dtype=bool)
-            for block in np.split(spread_order(others), range(BLOCK, len(others), BLOCK)):
-                coming[block] = False
-                count = add_views(count, scene.surface, others, block, coming, criterion)
-        self._count = count
+        criterion = every_view(demand, (*others, others[0])) if others else Criterion(demand.threshold)
+        self._count = _of_others(scene, others, criterion)
 
     def seen(self, camera: Camera) -> "SeenWithOneMore":
         """What the others and `camera` see."""
@@ -204,3 +194,13 @@ class SeenWithOneMore:
         total = predictor.totals(np.asarray(mesh.triangles_center), attributes["seen"])
         attributes["error"] = predictor.deviations(demand.error, attributes["parent"], total)
         return mesh
+
+
+def _of_others(scene: Scene, others: Sequence[Camera], criterion: Criterion) -> Count:
+    """The views of cameras before the one more is known."""
+    count = Count.start(scene.counted & (scene.surface.areas > 0), len(others) + 1, scene.lit)
+    coming = np.ones(len(others) + 1, dtype=bool)
+    for block in np.split(spread_order(others), range(BLOCK, len(others), BLOCK)) if others else []:
+        coming[block] = False
+        count = add_views(count, scene.surface, others, block, coming, criterion)
+    return count

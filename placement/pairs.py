@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -70,6 +71,7 @@ class Pairs:
         self._areas = np.concatenate([of_site.areas for of_site in sets])[met]
         seen = np.concatenate([of_site.seen for of_site in sets])[met]
         self._both = {pair: seen[:, pair[0]] & seen[:, pair[1]] for pair in self.every}
+        self._errors: dict[frozenset[tuple[int, int]] | None, float] = {}
 
     def by_area(self) -> tuple[Pair, ...]:
         """First the pair that sees most of what is reconstructed, then whichever adds most, until all is there."""
@@ -84,9 +86,9 @@ class Pairs:
         error = self.error(None)
         if not (np.isfinite(error) and self.every):
             return ()
-        within = WITHIN
+        within, points = WITHIN, _Points.of(self._coverage, self._angles)
         for _ in range(N_TIGHTER):
-            chosen = self._fewest(within)
+            chosen = self._fewest(points, within)
             found = self._listed(self._ordered(chosen, 0.0))
             if found[-1].error <= WITHIN * error or len(chosen) == len(self.every):
                 break
@@ -95,6 +97,12 @@ class Pairs:
 
     def error(self, pairs: Sequence[tuple[int, int]] | None) -> float:
         """Root mean square of the predicted errors [mm] over all that pairs, or all cameras, reconstruct."""
+        key = None if pairs is None else frozenset(pairs)
+        if key not in self._errors:
+            self._errors[key] = self._error(pairs)
+        return self._errors[key]
+
+    def _error(self, pairs: Sequence[tuple[int, int]] | None) -> float:
         demand, matrix = self._coverage.demand, None
         if pairs is not None:
             matrix = np.zeros((len(self._angles),) * 2, dtype=bool)
@@ -126,9 +134,8 @@ class Pairs:
             found.append(Pair(pair, alone, together, self.error(order[:number])))
         return tuple(found)
 
-    def _fewest(self, within: float) -> list[tuple[int, int]]:
+    def _fewest(self, points: "_Points", within: float) -> list[tuple[int, int]]:
         """Add whichever pair leaves least error until that is enough, then leave out what is not needed after all."""
-        points = _Points.of(self._coverage, self._angles)
         chosen: list[tuple[int, int]] = []
         while not points.suffice(chosen, within) and len(chosen) < len(self.every):
             rest = [pair for pair in self.every if pair not in chosen]
@@ -170,13 +177,17 @@ class _Points:
     def _variances(self, used: Bool[np.ndarray, "M G"]) -> Float[np.ndarray, " G"]:
         return variances_of(used, self.angles, self.coverage.ring, self.noise)
 
+    @cached_property
+    def _everyone(self) -> float:
+        """Mean variance [mm²] from all cameras."""
+        return self._mean(self._variances(self.seen), slice(None))
+
     def _mean(self, variances: Float[np.ndarray, " G"], which) -> float:
         return float(np.average(variances[which], weights=self.weights[which]))
 
     def variance(self, pairs: Sequence[tuple[int, int]]) -> float:
         """Mean variance [mm²], points that no pair sees counting as very inaccurate."""
-        everyone = self._mean(self._variances(self.seen), slice(None))
-        return self._mean(np.minimum(self._variances(self._used(pairs)), UNSEEN**2 * everyone), slice(None))
+        return self._mean(np.minimum(self._variances(self._used(pairs)), UNSEEN**2 * self._everyone), slice(None))
 
     def suffice(self, pairs: Sequence[tuple[int, int]], within: float) -> bool:
         """Whether these pairs see enough, with at most so many times the error of all cameras."""
@@ -184,5 +195,4 @@ class _Points:
         which = used.any(axis=0)
         if self.weights[which].sum() < KEPT * self.weights.sum():
             return False
-        everyone = self._mean(self._variances(self.seen), slice(None))
-        return self._mean(self._variances(used), which) <= within**2 * everyone
+        return self._mean(self._variances(used), which) <= within**2 * self._everyone

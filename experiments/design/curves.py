@@ -1,5 +1,6 @@
 """Curves that fill in while they are computed: area over the number of cameras, and what accuracy costs in area."""
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import placement
@@ -24,13 +25,13 @@ def counts(problem: placement.Problem, design: "Design", tell: "Tell") -> None:
             tell("point", _point("optimised", n, made.fraction, list(made.angles)))
 
     placement.recommend(
-        problem, 1.0, design.limits, numbers, certify=False, progress=_progress(tell), on_count=on_count
+        problem, 1.0, design.limits, numbers, certify=False, progress=progress_of(tell), on_count=on_count
     )  # fmt: skip
 
 
 def trade_off(problem: placement.Problem, design: "Design", tell: "Tell") -> None:
     """Layouts of which none has both more area and less error, and equidistant ones; errors in mm."""
-    found = problem.tradeoff(len(design.angles), design.limits, certify=False, progress=_progress(tell))
+    found = problem.tradeoff(len(design.angles), design.limits, certify=False, progress=progress_of(tell))
     for layout in (*found.layouts, *found.compared):
         if layout.kind != "opposite pairs":
             kind = "optimised" if layout.kind == "searched" else layout.kind
@@ -44,5 +45,6 @@ def _point(line: str, at: float, fraction: float, angles: list[float]) -> dict[s
     return {"line": line, "at": at, "fraction": fraction, "angles": angles}
 
 
-def _progress(tell: "Tell") -> Any:
+def progress_of(tell: "Tell") -> Callable[[str, int, int], None]:
+    """The progress of `placement`, told to the page."""
     return lambda what, done, total: tell("progress", (what, done, total))

@@ -16,7 +16,7 @@ import numpy as np
 
 import exact
 import placement
-from experiments.design.curves import CURVES
+from experiments.design.curves import CURVES, progress_of
 from experiments.design.design import Design
 from experiments.design.sampled import SampledAreas
 from experiments.design.worker import Answer, Asked, latest, refusal
@@ -56,7 +56,7 @@ def improve(asked: Request, design: Design, tell: Tell) -> Design:
 def optimise(asked: Request, design: Design, tell: Tell) -> Design:
     """The layout that `camring optimise` proposes for the same request."""
     found = _problem(asked, design, tell).optimise(
-        len(design.angles), design.limits, certify=False, give_up=asked.rig.give_up, progress=_told(tell)
+        len(design.angles), design.limits, certify=False, give_up=asked.rig.give_up, progress=progress_of(tell)
     )
     return design.at(found.angles)
 
@@ -146,10 +146,6 @@ def serve(pipe: Connection, asked: Request) -> None:
             tell("refused", refusal(error))
 
 
-def _told(tell: Tell) -> Callable[[str, int, int], None]:
-    return lambda what, done, total: tell("progress", (what, done, total))
-
-
 def _request(asked: Request, design: Design) -> Request:
     """The request that this design is an answer to."""
     rig = replace(
@@ -159,14 +155,14 @@ def _request(asked: Request, design: Design) -> Request:
 
 
 def _problem(asked: Request, design: Design, tell: Tell) -> placement.Problem:
-    return _request(asked, design).problem(_told(tell), workers=1)  # of a process that may be ended at any time
+    return _request(asked, design).problem(progress_of(tell), workers=1)  # of a process that may be ended at any time
 
 
 def _content(asked: Request, design: Design, tell: Tell) -> dict[str, Any]:
     """What stands in a layout file: with all cameras fixed, the search finds this layout and compares it."""
     all_fixed = replace(design.limits, fixed=design.angles)
     found = _problem(asked, design, tell).optimise(
-        len(design.angles), all_fixed, certify=False, give_up=asked.rig.give_up, progress=_told(tell)
+        len(design.angles), all_fixed, certify=False, give_up=asked.rig.give_up, progress=progress_of(tell)
     )
     return layout_file.placement_content(
         replace(found, constraints=design.limits), _request(asked, design)

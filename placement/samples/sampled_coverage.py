@@ -145,21 +145,19 @@ class SampledCoverage:
         ends = np.append(begins, len(which))
         alone, joined = self._unit_variances(theta, sets, grid)
         weight, noise = self.profiles.weights[which], self.profiles.noise[which]
-        now, before = seen_from[which].astype(np.float64), np.ones(len(which))
+        now = seen_from[which].astype(np.float64)
+        without = 1 - now
         if self.demand.max_error is not None:
             group, most = np.repeat(np.arange(len(begins)), np.diff(ends)), self.demand.max_error**2
             with np.errstate(invalid="ignore"):
-                before = np.where(noise * alone[group] <= most, before, 0.0)
-                without = (1 - now) * before[:, None]
-                now = np.where(noise[:, None] * joined[group] <= most, now, 0.0)
+                without[~(noise * alone[group] <= most)] = 0.0
+                now[~(noise[:, None] * joined[group] <= most)] = 0.0
         columns, n = np.arange(len(which)), (len(begins), len(which))
         sums = [csr_array((values, columns, ends), shape=n) for values in (weight, weight * noise)]
         counts = self._covered_with_one_more(theta, sets, np.ones((len(begins), len(grid)), dtype=bool), grid)
         weights, squares = _counted(sums[0] @ now, sums[1] @ now, joined, counts)
         counts = self._covered_with_one_more(theta, sets, np.zeros((len(begins), 1), dtype=bool), grid[:1])
         if counts.any():
-            if self.demand.max_error is None:
-                without = 1 - now
             more = _counted(sums[0] @ without, sums[1] @ without, alone[:, None], counts)
             weights, squares = weights + more[0], squares + more[1]
         total, squares = weights.sum(axis=0), squares.sum(axis=0)
