@@ -7,7 +7,8 @@ from exact.on_demand import import_on_demand
 if TYPE_CHECKING:
     from exact.cameras import Camera
     from exact.demand import Demand
-    from exact.derivative.gradient import Derivative, Gradient, gradient
+    from exact.derivative.derivative import Derivative
+    from exact.derivative.gradient import Gradient, gradient
     from exact.derivative.on_ring import RingDerivative
     from exact.drawing import NOT_COUNTED, seen_from
     from exact.errors import ExactError

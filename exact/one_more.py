@@ -10,6 +10,7 @@ import shapely
 
 from exact.cameras import Camera
 from exact.demand import Criterion, every_view
+from exact.derivative.derivative import Derivative, MovingBorders, refuse_without_derivative
 from exact.predicted.errors import Errors, errors_over
 from exact.predicted.reconstructed import divided, reconstructed
 from exact.requests import ASKED, checked, checked_cameras, shows
@@ -74,13 +75,41 @@ class OneMore:
 
     def area(self, camera: Camera) -> float:
         """Reconstructable area [mm²] of the others and `camera`, as `evaluate` gives it up to rounding."""
+        return self._with(camera, self._count)[0]
+
+    def gradient(self, camera: Camera) -> tuple[float, Derivative]:
+        """The same area, and its derivative by this one camera, as `exact.gradient` gives it up to rounding.
+
+        Raises
+        ------
+        ExactError
+            If the demand bounds the predicted error, with which no derivative is known.
+
+        Examples
+        --------
+        >>> import trimesh
+        >>> from exact import Ring
+        >>> ring, box = Ring(fov=(6, 6)), trimesh.creation.box((10, 10, 1))
+        >>> one, two = ring.cameras([0.0, 1.0])
+        >>> area, derivative = OneMore(box, [one]).gradient(two)
+        >>> derivative.on_ring(ring).angle.shape
+        (1,)
+        """
+        refuse_without_derivative(self._demand)
+        area, found, criterion = self._with(camera, replace(self._count, cuts=()))
+        cameras = (*self._others, camera)
+        every = MovingBorders.of(self._scene, self._demand, cameras, found).derivative(criterion)
+        return area, every.of_camera(len(self._others))
+
+    def _with(self, camera: Camera, count: Count) -> tuple[float, Tally, Criterion]:
+        """The area with one more camera, what all of them see of what it can decide, and by what that is decided."""
         cameras = (*self._others, *checked_cameras([camera]))
         surface = self._scene.surface
         criterion = self._demand.of(cameras, surface)
         last = np.array([len(self._others)])
-        found = add_views(self._count, surface, cameras, last, np.zeros(len(cameras), dtype=bool), criterion)
-        whole, pieces = reconstructed(surface, self._open, found.tally(), criterion)
-        return self._base + self._worth(whole, pieces)
+        found = add_views(count, surface, cameras, last, np.zeros(len(cameras), dtype=bool), criterion).tally()
+        whole, pieces = reconstructed(surface, self._open, found, criterion)
+        return self._base + self._worth(whole, pieces), found, criterion
 
     def _so_far(self) -> Criterion:
         """The criterion before the one more is known: it may be anywhere, and no pair with it counts yet."""

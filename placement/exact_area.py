@@ -9,7 +9,7 @@ from jaxtyping import Array, Float
 
 import exact
 import placement.surrogate.double_precision  # noqa: F401 - an area has more digits than single precision
-from exact.derivative.gradient import refuse_without_derivative
+from exact.derivative.derivative import refuse_without_derivative
 from placement.errors import PlacementError, refusing
 from placement.layouts.constraints import Constraints
 from placement.problem import Problem

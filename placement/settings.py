@@ -39,10 +39,10 @@ class Settings:
         How many of the leading phases and of the leading distinct candidates are scored exactly.
     distinct_tolerance : float
         Two candidates are the same if no camera differs by more than this [rad].
-    polish_steps : tuple of float
-        Falling steps of moving one camera at a time under the exact area [rad]; empty for none.
+    polish_candidates : int
+        How many of the leading layouts are moved to local optima of the exact area; 0 for none.
     polish_sweeps : int
-        Times that each camera gets its turn at most.
+        Times that each camera gets its turn at that, in the mean, at most.
     certificate_step : float
         Step of the grid on which the best layout is proven [rad].
     certificate_seconds : float
@@ -53,7 +53,7 @@ class Settings:
     Examples
     --------
     >>> import dataclasses
-    >>> quick = dataclasses.replace(Settings(), n_samples=500, n_starts=8, ring_cameras=32, polish_steps=())
+    >>> quick = dataclasses.replace(Settings(), n_samples=500, n_starts=8, ring_cameras=32, polish_candidates=0)
     >>> quick.n_starts
     8
     """
@@ -72,8 +72,8 @@ class Settings:
     exact_phases: int = 3
     exact_candidates: int = 8
     distinct_tolerance: float = float(np.radians(1.0))
-    polish_steps: tuple[float, ...] = (0.02, 0.005)
-    polish_sweeps: int = 1
+    polish_candidates: int = 3
+    polish_sweeps: int = 8
     certificate_step: float = float(np.radians(5.0))
     certificate_seconds: float = 60.0
     ring_cameras: int = 360
@@ -83,6 +83,7 @@ class Settings:
             "n_angles": 4,
             "n_grid": 4,
             "bisections": 0,
+            "polish_candidates": 0,
             "polish_sweeps": 0,
             "n_start_phases": 0,
             "n_pair_searches": 0,
@@ -99,5 +100,5 @@ class Settings:
             raise PlacementError(
                 "settings: certificate_step must be within (0, pi / 2] and certificate_seconds positive"
             )
-        if not (all(0 < step < np.inf for step in self.polish_steps) and 0 <= self.distinct_tolerance < np.inf):
-            raise PlacementError("settings: polish_steps must be positive and distinct_tolerance not negative [rad]")
+        if not 0 <= self.distinct_tolerance < np.inf:
+            raise PlacementError("settings: distinct_tolerance must not be negative [rad]")

@@ -1,21 +1,17 @@
 """The exact area and its derivative by every camera, from one evaluation."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from exact.cameras import Camera
-from exact.demand import Criterion, Demand
-from exact.derivative.borders import borders_of
-from exact.derivative.motion import EXTENT, POSITION, ROTATION, TARGET, swept
-from exact.derivative.on_ring import RingDerivative, on_ring
-from exact.errors import ExactError
+from exact.demand import Criterion
+from exact.derivative.derivative import Derivative, MovingBorders, refuse_without_derivative
 from exact.evaluate import of_tally
 from exact.requests import ASKED, checked, checked_cameras, checked_workers, shows
 from exact.results import Reconstruction
-from exact.ring import Ring
 from exact.scene import Scene
 from exact.visibility.coverage import tally
 from exact.visibility.surface import Surface
@@ -25,47 +21,6 @@ if TYPE_CHECKING:
 
 # A camera is in the plane of a face if it is nearer to it than this part of its distance from the surface.
 IN_PLANE = 1e-9
-
-
-@dataclass(frozen=True, eq=False)
-class Derivative:
-    """How an area changes with each of M cameras, while all others stay.
-
-    Attributes
-    ----------
-    position : (M, 3) float
-        By the place of the camera, which keeps its rotation and its field of view [mm²/mm].
-    rotation : (M, 3) float
-        By a turn of the camera, where it stands, about the world's axes x, y and z [mm²/rad].
-    half_extent : (M, 2) float
-        By half the width and half the height of the field of view at unit depth, `Camera.half_extent` [mm²].
-    target_distance : (M,) float
-        By the distance for which an image is focused, unless the optics say which: of limits on blur alone [mm²/mm].
-    """
-
-    position: np.ndarray
-    rotation: np.ndarray
-    half_extent: np.ndarray
-    target_distance: np.ndarray
-    _cameras: tuple[Camera, ...] = field(repr=False)
-
-    def on_ring(self, ring: Ring) -> RingDerivative:
-        """The same by ring angle, radius and height of each camera on its ring, and by its roll.
-
-        Raises
-        ------
-        ExactError
-            If a camera is none of this ring.
-
-        Examples
-        --------
-        >>> import trimesh
-        >>> ring, box = Ring(fov=(6, 6)), trimesh.creation.box((10, 10, 1))
-        >>> derivative = gradient(box, ring.cameras([0.0, 2.0])).on_ring(ring)
-        >>> bool(derivative.height.sum() > 0), derivative.angle.shape  # farther off, a pixel as wide sees the same
-        (True, (2,))
-        """
-        return on_ring(ring, self._cameras, self.position, self.rotation, self.half_extent, self.target_distance)
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,37 +93,11 @@ def gradient(mesh: "trimesh.Trimesh | Scene", cameras: Sequence[Camera], *, work
     refuse_without_derivative(demand)
     surface, criterion = scene.surface, demand.of(cameras, scene.surface)
     seen = tally(surface, cameras, criterion, scene.counted, checked_workers(workers), lit=scene.lit, keep_cuts=True)
-    pieces = seen.pieces.take(np.flatnonzero(seen.pieces.seen.any(axis=1)))
-    borders = borders_of(surface, pieces, seen.cuts)
-    gained = swept(surface, cameras, borders, demand)
-    if scene.weights is not None:
-        gained *= scene.weights[borders.face][:, None]
-
-    def parts(which: Criterion) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, tuple[Camera, ...]]:
-        counts = which.met(pieces.seen, pieces.face)[borders.piece]
-        camera = borders.camera[counts]
-        columns = [np.bincount(camera, one, minlength=len(cameras)) for one in gained[counts].T]
-        total = np.stack(columns, axis=1).astype(np.float64)  # of nothing at all, a count is whole
-        return total[:, POSITION], total[:, ROTATION], total[:, EXTENT], total[:, TARGET][:, 0], cameras
-
-    by_level = tuple(Derivative(*parts(Criterion(level))) for level in range(1, demand.threshold + 1))
+    moving = MovingBorders.of(scene, demand, cameras, seen)
+    by_level = tuple(moving.derivative(Criterion(level)) for level in range(1, demand.threshold + 1))
     found = of_tally(scene, demand, cameras, criterion, seen)
     in_plane = np.array([_in_plane(surface, camera) for camera in cameras])
-    return Gradient(*parts(criterion), found, by_level, in_plane)
-
-
-def refuse_without_derivative(demand: Demand) -> None:
-    """Refuse a demand under which the derivative of an area is not known.
-
-    Raises
-    ------
-    ExactError
-    """
-    if demand.max_error is not None:
-        raise ExactError(
-            f"max_error is {demand.max_error:g} mm; the derivative of an area is known without a bound on the error "
-            "only: leave max_error out, and ask for a min_baseline instead"
-        )
+    return Gradient(**vars(moving.derivative(criterion)), reconstruction=found, by_level=by_level, in_plane=in_plane)
 
 
 def _in_plane(surface: Surface, camera: Camera) -> int:

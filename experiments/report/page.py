@@ -169,6 +169,7 @@ def _cameras(made: LayoutFile, drawn: DrawnSurface) -> list[dict[str, Any]]:
     left = found["layouts"][-1]["fractions_without_camera"] if found else [None] * len(made.angles)
     agreed = found["distances_in_best_layouts_deg"] if found else left
     positions = made.ring.positions(made.angles)
+    mounted = made.content.get("mounting") or [None] * len(made.angles)
     return [
         {
             "number": number,
@@ -177,6 +178,7 @@ def _cameras(made: LayoutFile, drawn: DrawnSurface) -> list[dict[str, Any]]:
             "area": float(drawn.camera_areas[number - 1]),
             "without": left[number - 1],
             "away": agreed[number - 1],
+            "mounting": mounted[number - 1],
         }
         for number in range(1, len(made.angles) + 1)
     ]

@@ -34,6 +34,7 @@ FIELDS = (
     "obstacles", "lights", "smallest_separation_mm", "mesh", "meshes",
     "objective", "poses",
     "falloff_mm", "constraints", "certificate", "settings", "seed", "versions", "robustness",
+    "mounting",
 )  # fmt: skip
 # Angles in degrees and in radians that differ by more than this [rad] were not meant to be the same.
 SAME_ANGLE = 1e-6

@@ -7,15 +7,17 @@ import numpy as np
 
 from placement.errors import PlacementError
 from placement.layouts.arcs import LayoutSpace
-from placement.layouts.distinct import canonical
+from placement.layouts.distinct import canonical, distinct
 from placement.progress import Progress, nothing
 from placement.proof.certificate import Certificate, certify_samples, measure
 from placement.results import Candidate, Placement, SearchRecord, SiteResult, library_versions
 from placement.samples.sampled_coverage import SampledCoverage
 from placement.search.accurate import accurate_layouts
 from placement.search.equidistant import compared_phases
-from placement.search.polish import polish
+from placement.search.polish import Slopes, polish, polish_several
+from placement.search.scoring import ExactScorer
 from placement.search.search import search
+from placement.search.steps import polish_by_steps
 
 if TYPE_CHECKING:
     from placement.problem import Problem
@@ -115,14 +117,13 @@ def propose(
     scored = sorted((candidate(angles, origin) for origin, angles in layouts), key=lambda found: -found.fraction)
     scored = list({found.angles: found for found in reversed(scored)}.values())[::-1]
     n_moves = 0
-    if settings.polish_steps and space.n_free:
-        report("polishing", 0, 1)
-        polished, n_moves = polish(scorer, space, scored[0].angles, settings.polish_steps, settings.polish_sweeps)
-        n_exact += 1
-        if scorer.fraction(polished) > scored[0].fraction:
-            scored.insert(0, candidate(polished, "polish"))
+    if settings.polish_candidates and space.n_free:
+        ends, n_moves = _polished(problem, space, scorer, [found.angles for found in scored], report)
+        n_exact += len(ends)
+        scored += [candidate(end, "polish") for end in ends]
+        scored = list({found.angles: found for found in sorted(scored, key=lambda found: -found.fraction)}.values())
     clock.lap("polish")
-    report("polishing", 1, 1)
+    report("polishing", 2, 2)
 
     best = max(range(len(even)), key=lambda i: scorer.fraction(even[i]))
     proposed = _most_accurate(scored, coverage, max(scored[0].fraction - give_up, min(target, scored[0].fraction)))
@@ -162,6 +163,26 @@ def propose(
         seed=problem.seed,
         versions=library_versions(),
     )
+
+
+def _polished(
+    problem: "Problem", space: LayoutSpace, scorer: ExactScorer, layouts: list, report: Progress
+) -> tuple[list[np.ndarray], int]:
+    """Local optima of the exact area from the leading of some layouts, best first; also the places tried."""
+    settings, demand = problem.settings, scorer.demand
+    leading = [np.array(layouts[i]) for i in distinct([np.array(one) for one in layouts], settings.distinct_tolerance)]
+    leading = leading[: settings.polish_candidates]
+    report("polishing", 0, 2)
+    if demand.max_error is not None:  # the area has no derivative that is known
+        end, n_moves = polish_by_steps(scorer, space, leading[0], settings.polish_sweeps)
+        return [end], n_moves
+    slopes = Slopes.of(problem.sites, problem.ring, demand, scorer.ring_areas)
+    found = polish_several(slopes, space, leading, settings.polish_sweeps, problem.workers)
+    n_moves, ends = sum(n for _, n in found), [end for end, _ in found]
+    report("polishing", 1, 2)
+    best = max(ends, key=scorer.fraction)
+    end, n = polish(slopes, space, best, settings.polish_sweeps, thorough=True)
+    return [end, *ends], n_moves + n
 
 
 def _most_accurate(scored: list[Candidate], coverage: SampledCoverage, least: float) -> Candidate:

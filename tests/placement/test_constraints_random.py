@@ -188,7 +188,7 @@ def step():
 
 TINY = Settings(
     n_samples=300, n_angles=24, n_starts=3, n_start_phases=1, n_phases=4, exact_phases=1, exact_candidates=2,
-    polish_steps=(0.02,), polish_sweeps=1, ring_cameras=8,
+    polish_candidates=1, polish_sweeps=1, ring_cameras=8,
 )  # fmt: skip
 
 

@@ -19,6 +19,7 @@ from experiments.request.meshes import is_site
 from experiments.request.request import Request, request
 from experiments.request.target_fraction import checked_target, reach
 from experiments.tables import layouts as layout_table
+from experiments.tables import mounting as mounting_table
 from experiments.tables import robustness as robustness_table
 from experiments.tables import sites as site_table
 from experiments.terminal.console import note, print_json, terminal
@@ -73,6 +74,10 @@ def run(
         searched = [_kept(problem, asked, robust, layout.angles) for layout in layouts[2:]]
         rows = _rows(result, asked, layouts, [*(found.result() for found in even), *searched])
         content = layout_file.placement_content(result, asked)
+        scenes = [pose.scene for pose in asked.poses]
+        mounted = mounting_table.mounting(scenes, asked.ring, result.angles, result.demand)
+        if mounted is not None:
+            content["mounting"] = mounting_table.mounting_content(mounted, result.angles)
         if robust:
             area, agreed = sum(site.area for site in result.sites), placement.consensus(result)
             content["robustness"] = robustness_table.robustness_content(rows, agreed, area)
@@ -91,7 +96,7 @@ def run(
     if as_json:
         print_json(content | {"layouts": [layout_table.figures(row) for row in rows]})
     else:
-        _print(asked, result, rows)
+        _print(asked, result, rows, mounted)
     note(f"wrote {', '.join(str(out / name) for name in (*OUTPUTS, *files))}")
     if len(asked.subjects) > 1 and (meshes_too or any(formats.FORMATS[name].needs_site for name in names)):
         note(f"note: the meshes written show {asked.subjects[0].name}, the first")
@@ -196,7 +201,12 @@ def _write_meshes(out: Path, asked: Request, result: placement.Placement) -> tup
     return coverage_mesh.write(out, exact.evaluate(asked.poses[0].scene, cameras, demand=result.demand))
 
 
-def _print(asked: Request, result: placement.Placement, rows: list[layout_table.Row]) -> None:
+def _print(
+    asked: Request,
+    result: placement.Placement,
+    rows: list[layout_table.Row],
+    mounted: mounting_table.Mounting | None,
+) -> None:
     console = terminal()
     for words in site_table.headings(asked, result, f" of the {result.n_cameras}"):
         console.print(words)
@@ -209,6 +219,8 @@ def _print(asked: Request, result: placement.Placement, rows: list[layout_table.
     console.print(
         "optimised ring angles [degrees]: " + ", ".join(f"{angle:.3f}" for angle in np.degrees(result.angles)),
     )
+    if mounted is not None:
+        console.print(mounting_table.mounting_table(mounted, result.angles))
     found = rows[-1].robustness
     if found is not None:
         console.print(robustness_table.faults_table(rows))

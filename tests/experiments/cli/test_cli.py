@@ -47,6 +47,9 @@ def test_optimise_writes_layout_table_and_picture(optimised, scan):
     assert content["mesh"]["sha256"] == meshes.fingerprint(mesh)
     assert {"seed", "settings", "constraints", "versions", "ring", "threshold"} <= set(content)
     assert {"camring", "shapely", "jax", "optimistix"} <= set(content["versions"])
+    of_ring = exact.gradient(mesh, ring.cameras(content["angles_rad"])).on_ring(ring)
+    along = [row["along_ring_mm2_per_deg"] for row in content["mounting"]]
+    assert along == pytest.approx(np.radians(of_ring.angle).tolist(), rel=1e-9, abs=1e-9)
 
     with (optimised / "layouts.csv").open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))

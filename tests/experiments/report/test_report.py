@@ -113,6 +113,10 @@ def test_it_fits_a_phone_and_shows_names_as_text(made, chromium, tmp_path):
     assert page.locator("svg.ring rect.fixed").count() == 1
     assert page.locator("svg.ring path.forbidden").count() == 1
     assert page.locator("#ring tbody tr").count() == 3
+    kept = json.loads((made / "out" / "layout.json").read_text(encoding="utf-8"))["mounting"]
+    assert "tilt [mm² per degree]" in page.locator("#ring thead").inner_text()
+    for row, camera in zip(page.locator("#ring tbody tr").all_inner_texts(), kept, strict=True):
+        assert f"{camera['roll_mm2_per_deg']:+.2f}, {camera['tilt_mm2_per_deg']:.2f}" in row
     for section in ("layouts", "angles", "robustness", "certificate", "repeat"):
         assert page.locator(f"#{section}").is_visible()
     assert faults == []
