@@ -13,7 +13,7 @@ from placement import Constraints, PlacementError, Settings
 RING = exact.Ring()
 QUICK = Settings(
     n_samples=1200, least_samples=600, n_angles=48, n_starts=6, n_start_phases=2, exact_candidates=3, exact_phases=2,
-    polish_candidates=2, ring_cameras=16, certificate_step=float(np.radians(15)),
+    polish_candidates=1, polish_sweeps=1, ring_cameras=16, certificate_step=float(np.radians(15)),
 )  # fmt: skip
 
 

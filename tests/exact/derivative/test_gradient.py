@@ -226,3 +226,15 @@ def test_what_has_no_derivative_is_refused():
     )  # fmt: skip
     with pytest.raises(exact.ExactError, match="none of this ring"):
         exact.gradient(BLOCK, [rolled, cameras[1]]).on_ring(RING)
+
+
+def test_one_more_camera_alone():
+    cameras = RING.cameras([0.3, 1.7, 2.9, 4.0])
+    asked = {"min_baseline": 20.0, "weights": np.linspace(0.5, 2.0, len(BLOCK.faces))}
+    whole = exact.gradient(BLOCK, cameras, **asked)
+    area, alone = exact.OneMore(BLOCK, cameras[:3], **asked).gradient(cameras[3])
+    assert area == pytest.approx(whole.area, rel=1e-12)
+    for name in FREE:
+        assert np.allclose(getattr(alone, name), getattr(whole, name)[3:], rtol=1e-10, atol=1e-9)
+    with pytest.raises(exact.ExactError, match="leave max_error out"):
+        exact.OneMore(BLOCK, cameras[:1], max_error=0.1).gradient(cameras[1])
