@@ -70,7 +70,7 @@ def optimise(
     >>> from placement import Settings
     >>> step = trimesh.util.concatenate([trimesh.creation.box((30, 30, 1)), trimesh.creation.box((1, 8, 30))])
     >>> quick = replace(Settings(), n_samples=500, n_angles=36, n_starts=4, n_start_phases=2, ring_cameras=16)
-    >>> result = optimise(step, exact.Ring(), n_cameras=3, settings=replace(quick, polish_candidates=0))
+    >>> result = optimise(step, exact.Ring(), n_cameras=3, settings=replace(quick, polish_steps=()))
     >>> bool(result.area >= result.best_equidistant_area), bool(result.smallest_separation >= 5.0)
     (True, True)
     """
@@ -161,7 +161,7 @@ face_weights, threshold, min_baseline, demand
     --------
     >>> import trimesh
     >>> from placement import Settings
-    >>> quick = Settings(n_samples=500, n_angles=36, n_starts=2, ring_cameras=16, polish_candidates=0)
+    >>> quick = Settings(n_samples=500, n_angles=36, n_starts=2, ring_cameras=16, polish_steps=())
     >>> step = trimesh.util.concatenate([trimesh.creation.box((30, 30, 1)), trimesh.creation.box((1, 8, 30))])
     >>> found = recommend_count(step, exact.Ring(), target=0.9, settings=quick, max_cameras=4, certify=False)
     >>> found.n_cameras, found.placement.fraction >= 0.9
@@ -235,7 +235,7 @@ def place(
     --------
     >>> import trimesh
     >>> from placement import Settings
-    >>> quick = Settings(n_samples=200, n_angles=12, n_starts=2, ring_cameras=8, polish_candidates=0)
+    >>> quick = Settings(n_samples=200, n_angles=12, n_starts=2, ring_cameras=8, polish_steps=())
     >>> problem = Problem(trimesh.creation.box((30, 30, 5)), exact.Ring(), settings=quick)
     >>> len(place(problem, 2, certify=False).angles)
     2

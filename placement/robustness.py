@@ -155,7 +155,7 @@ def consensus(result: Placement, n_layouts: int = 10) -> Consensus:
     --------
     >>> import trimesh
     >>> from placement import Settings, optimise
-    >>> quick = Settings(n_samples=200, n_angles=12, n_starts=2, ring_cameras=8, polish_candidates=0)
+    >>> quick = Settings(n_samples=200, n_angles=12, n_starts=2, ring_cameras=8, polish_steps=())
     >>> found = consensus(optimise(trimesh.creation.box((10, 10, 9)), exact.Ring(), 3, settings=quick, certify=False))
     >>> len(found.distances), found.fractions == tuple(sorted(found.fractions, reverse=True))
     (3, True)

@@ -40,9 +40,12 @@ class Settings:
     distinct_tolerance : float
         Two candidates are the same if no camera differs by more than this [rad].
     polish_candidates : int
-        How many of the leading layouts are moved to local optima of the exact area; 0 for none.
+        How many of the leading layouts are moved to local optima of the exact area, by its derivative.
+    polish_steps : tuple of float
+        Falling steps of moving one camera of the first at a time, where the area has no derivative that is known, with
+        a bound on the error [rad]; empty if no layout is to be moved.
     polish_sweeps : int
-        Times that each camera gets its turn at that, in the mean, at most.
+        Times that each camera gets its turn at either, on average, at most.
     certificate_step : float
         Step of the grid on which the best layout is proven [rad].
     certificate_seconds : float
@@ -53,7 +56,7 @@ class Settings:
     Examples
     --------
     >>> import dataclasses
-    >>> quick = dataclasses.replace(Settings(), n_samples=500, n_starts=8, ring_cameras=32, polish_candidates=0)
+    >>> quick = dataclasses.replace(Settings(), n_samples=500, n_starts=8, ring_cameras=32, polish_steps=())
     >>> quick.n_starts
     8
     """
@@ -72,7 +75,8 @@ class Settings:
     exact_phases: int = 3
     exact_candidates: int = 8
     distinct_tolerance: float = float(np.radians(1.0))
-    polish_candidates: int = 3
+    polish_candidates: int = 2
+    polish_steps: tuple[float, ...] = (0.02, 0.005)
     polish_sweeps: int = 8
     certificate_step: float = float(np.radians(5.0))
     certificate_seconds: float = 60.0
@@ -83,7 +87,6 @@ class Settings:
             "n_angles": 4,
             "n_grid": 4,
             "bisections": 0,
-            "polish_candidates": 0,
             "polish_sweeps": 0,
             "n_start_phases": 0,
             "n_pair_searches": 0,
@@ -100,5 +103,5 @@ class Settings:
             raise PlacementError(
                 "settings: certificate_step must be within (0, pi / 2] and certificate_seconds positive"
             )
-        if not 0 <= self.distinct_tolerance < np.inf:
-            raise PlacementError("settings: distinct_tolerance must not be negative [rad]")
+        if not (all(0 < step < np.inf for step in self.polish_steps) and 0 <= self.distinct_tolerance < np.inf):
+            raise PlacementError("settings: polish_steps must be positive and distinct_tolerance not negative [rad]")

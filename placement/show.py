@@ -34,7 +34,7 @@ def plot(placement: "Placement", ax: "Axes | None" = None) -> "Axes":
     --------
     >>> import exact, trimesh
     >>> from placement import Settings, optimise
-    >>> quick = Settings(n_samples=200, n_angles=12, n_starts=2, ring_cameras=8, polish_candidates=0)
+    >>> quick = Settings(n_samples=200, n_angles=12, n_starts=2, ring_cameras=8, polish_steps=())
     >>> found = optimise(trimesh.creation.box((10, 10, 9)), exact.Ring(), 2, settings=quick, certify=False)
     >>> ax = plot(found)
     >>> ax.get_title(), found._repr_html_().count("<tr>")

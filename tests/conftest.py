@@ -60,6 +60,6 @@ n_start_phases = 1
 n_phases = 4
 exact_phases = 1
 exact_candidates = 2
-polish_candidates = 0
+polish_steps = []
 ring_cameras = 8
 """

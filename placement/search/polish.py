@@ -12,9 +12,9 @@ from placement.sites import Sites
 
 # An improvement of the exact fraction smaller than this is rounding, not a better layout.
 WORTHWHILE = 1e-7
-# A camera that gains less than this, in parts of the ring maximum, is where it should be. What is left is a few times
-# as much, since others may gain once more when one has moved.
-SETTLED = 1e-6
+# A camera that gains less than this, in parts of the ring maximum, is where it should be, at first and in the end. What
+# is left is a few times as much, since others may gain once more when one has moved.
+NEARLY_SETTLED, SETTLED = 1e-5, 1e-6
 # A better place for a camera is looked for within this of where it is [rad], from a few places on while there is far to
 # go, and from enough in the end.
 WINDOW = float(np.radians(1.0))
@@ -165,22 +165,22 @@ def polish(
         Number of places tried.
     """
     theta, n_tried = np.array(angles, dtype=np.float64), 0
+    places, settled = (MANY_PLACES, SETTLED) if thorough else (FEW_PLACES, NEARLY_SETTLED)
     free = [int(camera) for camera in space.free_cameras(theta)]
     waiting, turns = list(free), max_sweeps * len(free)
     while waiting and turns > 0:
         camera, turns = waiting.pop(0), turns - 1
-        places = MANY_PLACES if thorough else FEW_PLACES
-        places = np.concatenate([places, slopes.jumps(theta, camera, thorough)])
-        at, gain, tried = _best_place(slopes.of_one(theta, camera), theta, camera, space, places)
+        looked_at = np.concatenate([places, slopes.jumps(theta, camera, thorough)])
+        at, gain, tried = _best_place(slopes.of_one(theta, camera), theta, camera, space, looked_at, settled)
         n_tried += tried
         if gain > WORTHWHILE:
             theta[camera] = at
-        if gain > SETTLED:
+        if gain > settled:
             waiting += [other for other in free if other not in waiting]
         if not waiting:
-            theta, gain, tried = _joint_step(slopes, theta, free, space)
+            theta, gain, tried = _joint_step(slopes, theta, free, space, settled)
             n_tried += tried
-            waiting = list(free) if gain > SETTLED else []
+            waiting = list(free) if gain > settled else []
     return theta, n_tried
 
 
@@ -196,7 +196,7 @@ def polish_several(
 
 
 def _best_place(
-    along: Along, theta: np.ndarray, camera: int, space: LayoutSpace, places: np.ndarray
+    along: Along, theta: np.ndarray, camera: int, space: LayoutSpace, places: np.ndarray, settled: float
 ) -> tuple[float, float, int]:
     """The best angle of a camera near its own, what is gained by it, and how many were tried."""
     here = theta[camera]
@@ -212,7 +212,7 @@ def _best_place(
             found[at] = along(here + at)
     for _ in range(MOST_PLACES):
         at, promise = _most_promising(found)
-        if promise <= max(value for value, _ in found.values()) + SETTLED / 2:
+        if promise <= max(value for value, _ in found.values()) + settled / 2:
             break
         found[at] = along(here + at)
     best = max(found, key=lambda offset: (found[offset][0], -abs(offset)))
@@ -259,7 +259,7 @@ def _reach(theta: np.ndarray, camera: int, space: LayoutSpace, sign: float) -> f
 
 
 def _joint_step(
-    slopes: Slopes, theta: np.ndarray, free: list[int], space: LayoutSpace
+    slopes: Slopes, theta: np.ndarray, free: list[int], space: LayoutSpace, settled: float
 ) -> tuple[np.ndarray, float, int]:
     """The layout after the first step of all cameras along the gradient that gains, what it gains, and steps tried."""
     start, slope = slopes.of_all(theta)
@@ -272,6 +272,6 @@ def _joint_step(
         moved = theta + step * towards
         if space.allows(moved):
             gain = slopes.of_all(moved)[0] - start
-            if gain > SETTLED:
+            if gain > settled:
                 return moved, gain, tried
     return theta, 0.0, 1 + len(JOINT_STEPS)

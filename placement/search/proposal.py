@@ -117,7 +117,7 @@ def propose(
     scored = sorted((candidate(angles, origin) for origin, angles in layouts), key=lambda found: -found.fraction)
     scored = list({found.angles: found for found in reversed(scored)}.values())[::-1]
     n_moves = 0
-    if settings.polish_candidates and space.n_free:
+    if settings.polish_steps and space.n_free:
         ends, n_moves = _polished(problem, space, scorer, [found.angles for found in scored], report)
         n_exact += len(ends)
         scored += [candidate(end, "polish") for end in ends]
@@ -174,7 +174,7 @@ def _polished(
     leading = leading[: settings.polish_candidates]
     report("polishing", 0, 2)
     if demand.max_error is not None:  # the area has no derivative that is known
-        end, n_moves = polish_by_steps(scorer, space, leading[0], settings.polish_sweeps)
+        end, n_moves = polish_by_steps(scorer, space, leading[0], settings.polish_steps, settings.polish_sweeps)
         return [end], n_moves
     slopes = Slopes.of(problem.sites, problem.ring, demand, scorer.ring_areas)
     found = polish_several(slopes, space, leading, settings.polish_sweeps, problem.workers)

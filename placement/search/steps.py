@@ -6,11 +6,10 @@ from placement.layouts.arcs import LayoutSpace
 from placement.search.polish import WORTHWHILE
 from placement.search.scoring import ExactScorer
 
-# Falling steps [rad].
-STEPS = (0.02, 0.005)
 
-
-def polish_by_steps(scorer: ExactScorer, space: LayoutSpace, angles, max_sweeps: int) -> tuple[np.ndarray, int]:
+def polish_by_steps(
+    scorer: ExactScorer, space: LayoutSpace, angles, steps: tuple[float, ...], max_sweeps: int
+) -> tuple[np.ndarray, int]:
     """Move one free camera at a time, by falling steps, as long as the exact fraction grows.
 
     Each move computes the view of the moved camera only.
@@ -19,6 +18,8 @@ def polish_by_steps(scorer: ExactScorer, space: LayoutSpace, angles, max_sweeps:
     ----------
     scorer : ExactScorer
         Gives exact areas.
+    steps : tuple of float
+        Falling step lengths [rad].
     space, angles, max_sweeps
         As for `polish`.
 
@@ -35,7 +36,7 @@ def polish_by_steps(scorer: ExactScorer, space: LayoutSpace, angles, max_sweeps:
         before = best
         for camera in space.free_cameras(theta):
             fraction = scorer.moving(theta, int(camera))
-            for step in STEPS:
+            for step in steps:
                 for direction in (step, -step):
                     while True:
                         moved = theta.copy()

@@ -17,7 +17,7 @@ from placement.samples.sampling import sample_surface
 
 RING = exact.Ring()
 QUICK = dataclasses.replace(
-    Settings(), n_samples=2000, n_angles=60, n_starts=8, ring_cameras=32, exact_candidates=4, polish_candidates=0
+    Settings(), n_samples=2000, n_angles=60, n_starts=8, ring_cameras=32, exact_candidates=4, polish_steps=()
 )
 
 

@@ -224,7 +224,7 @@ def test_optimise_carries_a_certificate_and_never_stays_below_its_layout():
     for bar, height in zip(bars, (-1, 32, 36), strict=True):
         bar.apply_translation((height / 10, 1, height))
     mesh = trimesh.util.concatenate(bars)
-    settings = dataclasses.replace(QUICK, n_starts=4, n_start_phases=2, polish_candidates=0, ring_cameras=16)
+    settings = dataclasses.replace(QUICK, n_starts=4, n_start_phases=2, polish_steps=(), ring_cameras=16)
     result = placement.optimise(mesh, RING, n_cameras=3, settings=settings, seed=4)
     certificate = result.certificate
     assert certificate is not None and certificate.proven

@@ -19,7 +19,7 @@ from placement.sites import checked_sites
 RING = exact.Ring()
 QUICK = Settings(
     n_samples=1200, n_angles=48, n_starts=6, n_start_phases=2, exact_candidates=3, exact_phases=2,
-    polish_candidates=0, ring_cameras=16, certificate_step=float(np.radians(15)),
+    polish_steps=(), ring_cameras=16, certificate_step=float(np.radians(15)),
 )  # fmt: skip
 
 
@@ -121,7 +121,7 @@ CASES = [
 
 @pytest.mark.parametrize(("n_cameras", "threshold", "constraints"), CASES)
 def test_constraints_hold(bars, n_cameras, threshold, constraints):
-    settings = dataclasses.replace(QUICK, polish_candidates=1, polish_sweeps=1, n_starts=4)
+    settings = dataclasses.replace(QUICK, polish_steps=(0.02,), polish_candidates=1, polish_sweeps=1, n_starts=4)
     result = placement.optimise(bars, RING, n_cameras, threshold=threshold, constraints=constraints, settings=settings)
     assert len(result.angles) == n_cameras
     assert constraints.violations(RING, result.angles) == []
@@ -154,7 +154,7 @@ def test_polish_by_steps_only_climbs(bars):
     scorer = scorer_of(bars)
     space = LayoutSpace(RING, 3, Constraints(fixed=(0.2,)))
     start = RING.equidistant(3, 0.2)
-    end, n_moves = polish_by_steps(scorer, space, start, max_sweeps=2)
+    end, n_moves = polish_by_steps(scorer, space, start, steps=(0.1, 0.03), max_sweeps=2)
     assert scorer.fraction(end) > scorer.fraction(start) and n_moves > 4
     assert space.allows(end)
 
@@ -170,7 +170,7 @@ def test_moving_one_camera_is_scored_as_the_whole_layout_is(bars):
 
 def test_progress_counts_up_to_its_total(bars):
     told = []
-    settings = dataclasses.replace(QUICK, polish_candidates=0, n_starts=2)
+    settings = dataclasses.replace(QUICK, polish_steps=(), n_starts=2)
     placement.optimise(
         bars, RING, n_cameras=2, settings=settings, progress=lambda what, done, total: told.append((what, done, total))
     )
@@ -186,7 +186,7 @@ def test_progress_counts_up_to_its_total(bars):
 def test_spanning_artery_four_cameras():
     """The main job at reduced size: placing beats spacing evenly."""
     mesh = meshes.site("circ_artery", depth=50)
-    settings = dataclasses.replace(QUICK, n_samples=3000, polish_candidates=0, ring_cameras=16)
+    settings = dataclasses.replace(QUICK, n_samples=3000, polish_steps=(), ring_cameras=16)
     result = placement.optimise(mesh, RING, n_cameras=4, exclude=meshes.top_surface(mesh), settings=settings)
     assert result.most_area.area >= result.best_equidistant_area
     assert result.most_area.fraction - result.equidistant_fraction >= 0.02
@@ -262,7 +262,8 @@ def test_errors(bars, case):
         (dict(n_samples=0), "n_samples is 0; it must be a whole number >= 1"),
         (dict(temperatures=()), "temperatures are"),
         (dict(temperatures=(0.1, 0.0)), "all positive"),
-        (dict(polish_candidates=-1), "polish_candidates is -1; it must be a whole number >= 0"),
+        (dict(polish_steps=(-0.1,)), "polish_steps must be positive"),
+        (dict(polish_candidates=0), "polish_candidates is 0; it must be a whole number >= 1"),
     ],
 )
 def test_settings_that_make_no_sense(wrong, message):

@@ -11,7 +11,7 @@ from placement import Constraints, PlacementError, Settings
 
 RING = exact.Ring()
 QUICK = Settings(
-    n_samples=1000, n_angles=48, n_starts=6, n_start_phases=2, exact_candidates=4, exact_phases=2, polish_candidates=0,
+    n_samples=1000, n_angles=48, n_starts=6, n_start_phases=2, exact_candidates=4, exact_phases=2, polish_steps=(),
     ring_cameras=16, certificate_step=float(np.radians(15)),
 )  # fmt: skip
 LAYOUT = (0.4, 1.5, 2.9, 5.0)

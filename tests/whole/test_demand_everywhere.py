@@ -20,7 +20,7 @@ from tests.support.further_demand import Demand
 
 RING = exact.Ring()
 QUICK = Settings(
-    n_samples=600, n_angles=48, n_starts=3, n_start_phases=1, exact_candidates=2, exact_phases=1, polish_candidates=0,
+    n_samples=600, n_angles=48, n_starts=3, n_start_phases=1, exact_candidates=2, exact_phases=1, polish_steps=(),
     ring_cameras=16, certificate_step=float(np.radians(15)),
 )  # fmt: skip
 LAYOUT = np.radians([20.0, 60.0, 200.0, 240.0])  # neighbours are 10.3 mm apart, others more than 28 mm
@@ -221,7 +221,7 @@ def test_a_layout_can_see_more_than_the_ring_maximum():
     seen = exact.evaluate(mesh, RING.cameras(along), exclude=exclude).area
     ring = exact.evaluate(mesh, RING.cameras(RING.equidistant(8)), exclude=exclude).area
     assert seen > ring > 0.9
-    few = Settings(n_samples=400, n_angles=144, n_starts=6, n_start_phases=2, ring_cameras=8, polish_candidates=0)
+    few = Settings(n_samples=400, n_angles=144, n_starts=6, n_start_phases=2, ring_cameras=8, polish_steps=())
     found = placement.optimise(mesh, RING, 2, exclude=exclude, settings=few)
     assert found.fraction > 1 and found.certificate.bound_fraction >= found.certificate.layout_fraction > 1
     assert f"{100 * found.fraction:.2f} %" in found._repr_html_()

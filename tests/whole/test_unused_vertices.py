@@ -17,7 +17,7 @@ EXPECTED = 100.0 * np.hypot(1, SLOPE)  # of each plate the half that is above th
 FAR = [np.nan, np.inf, -np.inf, 1e300, 1e30, 1e8]
 QUICK = placement.Settings(
     n_samples=300, n_angles=24, n_starts=2, n_phases=3, exact_phases=1, exact_candidates=1, ring_cameras=12,
-    polish_candidates=0,
+    polish_steps=(),
 )  # fmt: skip
 
 
