@@ -27,8 +27,9 @@ MOST_PLACES, APART = 12, 0.02
 MOST_JUMPS, BEYOND = 6, 1e-7
 # Steps of all cameras together along the gradient, of the one that moves most [rad].
 JOINT_STEPS = np.radians([0.5, 0.1, 0.02])
-# Halvings that find how far a camera may go: to 1e-12 of the window.
-HALVINGS = 40
+# Halvings that find how far a camera may go, to 1e-12 of the window, and how far it stays off that [rad]: angles are
+# rounded when they are written.
+HALVINGS, CLEARANCE = 40, 1e-9
 
 Along = Callable[[float], tuple[float, float]]
 
@@ -255,7 +256,7 @@ def _reach(theta: np.ndarray, camera: int, space: LayoutSpace, sign: float) -> f
     for _ in range(HALVINGS):
         middle = (low + high) / 2
         low, high = (middle, high) if allowed(middle) else (low, middle)
-    return sign * low
+    return sign * max(low - CLEARANCE, 0.0)
 
 
 def _joint_step(
