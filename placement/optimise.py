@@ -1,5 +1,6 @@
 """What one calls about a mesh: where cameras should sit, how far that is from the best possible, how many it takes."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import exact
@@ -29,6 +30,7 @@ def optimise(
     constraints: Constraints | None = None,
     certify: bool = True,
     give_up: float = GIVE_UP,
+    starts: Sequence = (),
     progress: Progress | None = None,
     **about: Any,
 ) -> Placement:
@@ -48,6 +50,9 @@ def optimise(
     give_up : float
         Coverage that may be given up for accuracy, as a fraction of the ring maximum: of layouts within so much of the
         greatest exact area found the one with the least error is proposed. 0 proposes the one with the greatest area.
+    starts : sequence of (K,) array_like
+        Known layouts [rad] of at most M cameras to start from too, as those found for M - 1: what is missing is added,
+        so that `most_area` reconstructs at least as much as each of them that leaves room for it.
     settings, seed, site_weights, objective, workers, exclude, face_weights, threshold, min_baseline, demand
         See `Problem`. The same request with the same seed gives the same layout, bit for bit, unless the certificate
         runs out of time: which layouts it knows then depends on how fast the machine is.
@@ -76,7 +81,7 @@ def optimise(
     """
     _refuse_beforehand(ring, n_cameras, constraints, about)
     return Problem(mesh, ring, progress=progress, **about).optimise(
-        n_cameras, constraints, certify=certify, give_up=give_up, progress=progress
+        n_cameras, constraints, certify=certify, give_up=give_up, starts=starts, progress=progress
     )
 
 

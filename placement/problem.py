@@ -146,6 +146,7 @@ class Problem:
         *,
         certify: bool = True,
         give_up: float = GIVE_UP,
+        starts: Sequence = (),
         progress: Progress | None = None,
     ) -> Placement:
         """Find where `n_cameras` cameras reconstruct the most; as `placement.optimise`.
@@ -159,7 +160,7 @@ class Problem:
         >>> [len(problem.optimise(n, certify=False).angles) for n in (2, 3)]
         [2, 3]
         """
-        return propose(self, self._met(n_cameras, constraints), certify, progress, give_up)
+        return propose(self, self._met(n_cameras, constraints), certify, progress, give_up, starts=starts)
 
     def tradeoff(
         self,

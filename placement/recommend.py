@@ -1,7 +1,7 @@
 """How many cameras: the fewest whose best layout, and whose equidistant ring, reach a target."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,6 +12,7 @@ from placement.errors import PlacementError
 from placement.layouts.arcs import LayoutSpace
 from placement.layouts.constraints import Constraints
 from placement.progress import Progress, numbered
+from placement.proof.certificate import at_most
 from placement.results import Placement
 from placement.search.proposal import propose
 
@@ -116,17 +117,20 @@ def recommend(
 ) -> Recommendation:
     """The fewest of these numbers of cameras, increasing, that reach `target`.
 
-    `on_count` is told each result as soon as it is there.
+    Each search starts from the layouts found for one camera less too, so that the greatest area found never shrinks.
+    What bounds one camera more bounds as many as leave room for it; `on_count` is told each result before that is
+    known.
     """
     counts: list[CountResult] = []
     n_cameras = n_equidistant = None
-    refusal = None
+    refusal, starts = None, ()
     for n in numbers:
         found = None
         if refusal is None:
             try:
                 space = LayoutSpace(problem.ring, n, constraints)
-                found = propose(problem, space, certify, numbered(progress, n), target=target)
+                found = propose(problem, space, certify, numbered(progress, n), target=target, starts=starts)
+                starts = tuple(dict.fromkeys((found.most_area.angles, found.angles)))
             except PlacementError as error:  # as many do not fit, nor do more
                 refusal = error
                 if not counts:
@@ -140,7 +144,20 @@ def recommend(
             n_equidistant = n
         if n_equidistant is not None and (n_cameras is not None or refusal is not None):
             break
-    return Recommendation(float(target), n_cameras, n_equidistant, tuple(counts))
+    return Recommendation(float(target), n_cameras, n_equidistant, _bounded(problem, constraints, counts))
+
+
+def _bounded(problem: "Problem", constraints: Constraints, counts: list[CountResult]) -> tuple[CountResult, ...]:
+    """The results, with the bound of each no looser than that of one camera more, where there is room for it."""
+    bounded = list(counts)
+    for i in range(len(counts) - 2, -1, -1):
+        here, more = bounded[i].placement, bounded[i + 1].placement
+        if here is None or more is None or here.certificate is None or more.certificate is None:
+            continue
+        if LayoutSpace(problem.ring, here.n_cameras, constraints).leaves_room:
+            tighter = at_most(here.certificate, more.certificate)
+            bounded[i] = replace(bounded[i], placement=replace(here, certificate=tighter))
+    return tuple(bounded)
 
 
 def _counted(problem: "Problem", n: int, constraints: Constraints, found: Placement | None) -> CountResult:

@@ -144,7 +144,7 @@ class Placement:
         Bound for any layout; None if it was not asked for.
     search : SearchRecord
         Starts, failures, evaluations, times.
-    ring, n_cameras, demand, give_up, constraints, settings, seed, versions
+    ring, n_cameras, demand, give_up, constraints, starts, settings, seed, versions
         The request and the libraries: all that is needed to repeat it, with the meshes of `sites`. `demand` is what
         made a point count, with the baseline that the constraints ask for.
     """
@@ -168,6 +168,7 @@ class Placement:
     demand: exact.Demand
     give_up: float
     constraints: Constraints
+    starts: tuple[tuple[float, ...], ...]
     settings: Settings
     seed: int
     versions: dict[str, str]

@@ -33,7 +33,7 @@ FIELDS = (
     "best_equidistant_phase_deg", "areas_mm2", "fractions_of_ring_maximum", "rms_errors_mm", "give_up", "most_area",
     "obstacles", "lights", "smallest_separation_mm", "mesh", "meshes",
     "objective", "poses",
-    "falloff_mm", "constraints", "certificate", "settings", "seed", "versions", "robustness",
+    "falloff_mm", "constraints", "starts_rad", "certificate", "settings", "seed", "versions", "robustness",
     "mounting",
 )  # fmt: skip
 # Angles in degrees and in radians that differ by more than this [rad] were not meant to be the same.
@@ -146,6 +146,7 @@ def placement_content(found: "placement.Placement", asked: "Request") -> dict[st
         "poses": {"n": n_poses, "tilt_deg": poses.tilt_deg, "shift_mm": poses.shift_mm} if n_poses > 1 else None,
         "falloff_mm": asked.rig.falloff_mm,
         "constraints": asdict(found.constraints),
+        "starts_rad": [list(start) for start in found.starts],
         "certificate": None if found.certificate is None else certificate_content(found.certificate),
         "settings": asdict(found.settings),
         "seed": found.seed,

@@ -196,6 +196,13 @@ class LayoutSpace:
             allowed &= (inside <= 0) | (inside >= np.mod(end - start, TURN))
         return allowed
 
+    @property
+    def leaves_room(self) -> bool:
+        """Whether one more camera would find a place beside any layout of this space."""
+        open_length = TURN if self.is_whole else float(np.diff(self._open, axis=1).sum())
+        # Each free camera keeps others off on either side; the fixed ones' sides are no open arcs.
+        return open_length > 2 * self.n_free * self.minimum_gap
+
     def allows(self, angles) -> bool:
         """Whether a layout of M ring angles [rad] meets every constraint."""
         return len(angles) == self.n_cameras and not self.constraints.violations(self.ring, angles)

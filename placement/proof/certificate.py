@@ -205,6 +205,19 @@ def measure(
     )
 
 
+def at_most(certificate: Certificate, more: Certificate) -> Certificate:
+    """The certificate, which knows that no layout reconstructs more than any with one camera more, if that has room."""
+    if more.bound_fraction >= certificate.bound_fraction:
+        return certificate
+    gap = None if certificate.layout_fraction is None else more.bound_fraction - certificate.layout_fraction
+    grid_bound = min(certificate.grid_bound_fraction, more.bound_fraction)
+    grid_gap = None if certificate.layout_fraction is None else grid_bound - certificate.layout_fraction
+    return replace(
+        certificate, bound_fraction=more.bound_fraction, gap=gap, cell=more.cell, grid_bound_fraction=grid_bound,
+        grid_gap=grid_gap,
+    )  # fmt: skip
+
+
 def _on_grid(
     profiles: RingProfiles,
     space: LayoutSpace,

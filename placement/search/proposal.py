@@ -1,6 +1,7 @@
 """Propose a layout: search on samples from many starts, score the distinct ends exactly, polish the best."""
 
 import time
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,6 +15,7 @@ from placement.results import Candidate, Placement, SearchRecord, SiteResult, li
 from placement.samples.sampled_coverage import SampledCoverage
 from placement.search.accurate import accurate_layouts
 from placement.search.equidistant import compared_phases
+from placement.search.extended import checked_starts, extended
 from placement.search.polish import Slopes, polish, polish_several
 from placement.search.scoring import ExactScorer
 from placement.search.search import search
@@ -62,6 +64,7 @@ def propose(
     progress: Progress | None = None,
     give_up: float = GIVE_UP,
     target: float = 0.0,
+    starts: Sequence = (),
 ) -> Placement:
     """Find the best layout of `space` for a `Problem`; result and errors as for `placement.optimise`.
 
@@ -70,6 +73,7 @@ def propose(
     """
     if not (isinstance(give_up, int | float | np.number) and 0 <= give_up < 1):
         raise PlacementError(f"give_up is {give_up!r}; it must be at least 0 and below 1, a part of the ring maximum")
+    starts = checked_starts(starts, space.n_cameras)
     report = progress or nothing
     settings, ring, profiles = problem.settings, problem.ring, problem.profiles
     demand = problem.demanded(space.constraints, space.n_cameras)
@@ -77,8 +81,10 @@ def propose(
     clock = _Clock()
 
     report("searching", 0, 1)
-    pool, counts = search(problem, space)
+    known = extended(problem, space, starts)
+    pool, counts = search(problem, space, known)
     layouts = [("search", layout) for layout in pool[: settings.exact_candidates]]
+    layouts += [("start", layout) for layout in known]
     clock.lap("search")
     if give_up > 0:
         report("searching accurate layouts", 0, 1)
@@ -159,6 +165,7 @@ def propose(
         demand=demand,
         give_up=float(give_up),
         constraints=space.constraints,
+        starts=starts,
         settings=settings,
         seed=problem.seed,
         versions=library_versions(),

@@ -20,8 +20,11 @@ def import_descent() -> None:
     import placement.surrogate.descent  # noqa: F401
 
 
-def search(problem: "Problem", space: LayoutSpace) -> tuple[list[np.ndarray], dict[str, int]]:
-    """Distinct layouts, the one that reconstructs most of the samples first, and counts of what happened."""
+def search(problem: "Problem", space: LayoutSpace, known: list[np.ndarray]) -> tuple[list[np.ndarray], dict[str, int]]:
+    """Distinct layouts, the one that reconstructs most of the samples first, and counts of what happened.
+
+    `known` are layouts to start from beside those of the settings.
+    """
     if space.n_free == 0:
         return [np.array(space.constraints.fixed)], dict(n_starts=0, n_failed=0, n_flat=0, n_distinct=1)
     settings, (coverage, surrogate) = problem.settings, problem.coverage(space.constraints)
@@ -36,7 +39,7 @@ def search(problem: "Problem", space: LayoutSpace) -> tuple[list[np.ndarray], di
         ends = _descended(starts, surrogate, space, settings)
     usable = [end for end, failed in zip(ends.angles, ends.failed, strict=True) if not failed and space.allows(end)]
     # From the starts too: where the soft landscape leads all starts past an optimum, moving one camera may find it.
-    found = usable + [coverage.improve(space, layout) for layout in usable + starts]
+    found = usable + [coverage.improve(space, layout) for layout in usable + starts + known]
     leading = _distinct(found, problem, space)[: settings.n_pair_searches]
     kept = _distinct(found + [coverage.improve_pairs(space, layout) for layout in leading], problem, space)
     return kept, dict(n_starts=len(starts), n_failed=n_failed, n_flat=n_flat, n_distinct=len(kept))
