@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from placement.pairs import Pair
     from placement.problem import Problem
     from placement.proof.certificate import Certificate
+    from placement.proof.surface_bound import SurfaceBound
     from placement.recommend import CountResult, Recommendation, recommend
     from placement.results import Candidate, Placement, SearchRecord, SiteResult
     from placement.robustness import Consensus, Robustness, consensus, robustness
@@ -42,6 +43,7 @@ __all__ = [
     "SearchRecord",
     "Settings",
     "SiteResult",
+    "SurfaceBound",
     "TradeOff",
     "TradedLayout",
     "Triangulation",

@@ -104,6 +104,7 @@ class Problem:
         self.ring_maximum = RingMaximum(
             self.sites, ring, self.demand, n_cameras=self.settings.ring_cameras, workers=self.workers, memory=memory
         )
+        self._grid_sets: dict[tuple, list[tuple[np.ndarray, np.ndarray]]] = {}
         self._scorers: dict[exact.Demand, ExactScorer] = {}
         self._coverages: dict[exact.Demand, tuple[SampledCoverage, Surrogate]] = {}
         # Other processes are at it while this one samples and searches.
@@ -121,6 +122,17 @@ class Problem:
     def demanded(self, constraints: Constraints, n_cameras: int | None = None) -> exact.Demand:
         """What makes a point count under these constraints: with the baseline that they ask for."""
         return demanded(self.demand, constraints, self.ring, n_cameras)
+
+    def grid_sets(
+        self, demand: exact.Demand, n_grid: int, fixed: tuple[float, ...]
+    ) -> list[tuple[np.ndarray, np.ndarray]]:
+        """Of each site the (S, n_grid + F) sets of grid and fixed cameras that see something, and its area [mm²]."""
+        key = (demand, n_grid, fixed)
+        if key not in self._grid_sets:
+            cameras = self.ring.cameras([*2 * np.pi / n_grid * np.arange(n_grid), *fixed])
+            found = [exact.view_sets(site.scene, cameras, demand=demand) for site in self.sites.members]
+            self._grid_sets = {key: [(sets.seen, sets.areas) for sets in found]}  # those of one request at a time
+        return self._grid_sets[key]
 
     def scorer(self, constraints: Constraints) -> ExactScorer:
         """Exact areas under these constraints."""

@@ -1,6 +1,7 @@
 """How a layout is searched for: every number of the method, in one place."""
 
 from dataclasses import dataclass, fields
+from typing import Literal
 
 import numpy as np
 
@@ -50,6 +51,9 @@ class Settings:
         Step of the grid on which the best layout is proven [rad].
     certificate_seconds : float
         Time limit of the certificate [s].
+    certify_on : "auto", "surface" or "samples"
+        What layouts on the grid are bounded on: the surface itself, by exact areas, or samples alone, as layouts at any
+        angles are; auto is the surface where that takes less than half a minute or so.
     ring_cameras : int
         Equidistant cameras whose exact area is the ring maximum.
 
@@ -80,6 +84,7 @@ class Settings:
     polish_sweeps: int = 8
     certificate_step: float = float(np.radians(5.0))
     certificate_seconds: float = 60.0
+    certify_on: Literal["auto", "surface", "samples"] = "auto"
     ring_cameras: int = 360
 
     def __post_init__(self):
@@ -99,6 +104,10 @@ class Settings:
                     raise PlacementError(f"settings: {field.name} is {value!r}; it must be a whole number >= {bound}")
         if not (self.temperatures and min(self.temperatures) > 0):
             raise PlacementError(f"settings: temperatures are {self.temperatures!r}; at least one, all positive [rad]")
+        if self.certify_on not in ("auto", "surface", "samples"):
+            raise PlacementError(
+                f"settings: certify_on is {self.certify_on!r}; it must be 'auto', 'surface' or 'samples'"
+            )
         if not (0 < self.certificate_step <= np.pi / 2 and self.certificate_seconds > 0):
             raise PlacementError(
                 "settings: certificate_step must be within (0, pi / 2] and certificate_seconds positive"

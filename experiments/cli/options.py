@@ -71,7 +71,7 @@ RING = ("fov", "diameter", "working_distance", "focus", "axis", "zero_towards", 
 MESH = ("exclude", "repair", "two_sided", "scale", "obstacle", "light")
 REQUEST = (
     "Demand", "Constraints", *RING, "exclude", "objective", "site_weights", "falloff_mm", "jitter", "tilt_deg",
-    "shift_mm", "seed", "certify", "repair", "two_sided", "scale", "obstacle", "light",
+    "shift_mm", "seed", "certify", "certify_on", "repair", "two_sided", "scale", "obstacle", "light",
 )  # fmt: skip
 
 

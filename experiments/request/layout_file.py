@@ -189,6 +189,7 @@ def certificate_content(certificate) -> dict[str, Any]:
         "grid_bound_fraction": certificate.grid_bound_fraction,
         "grid_gap": certificate.grid_gap,
         "proven": certificate.proven,
+        "surface": None if certificate.surface is None else asdict(certificate.surface),
         "statement": certificate.statement,
     }
 

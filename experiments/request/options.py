@@ -142,6 +142,12 @@ BESIDE_CLASSES = (
     ),
     Option("certify", "search", FLAG, True, "Whether to bound what any layout could reconstruct."),
     Option(
+        "certify_on", "search", WORD, "auto",
+        "What layouts on a grid of angles are bounded on: surface, by exact areas; samples; or auto, surface where "
+        "that takes less than half a minute or so.",
+        field="certify_on", choices=("auto", "surface", "samples"),
+    ),
+    Option(
         "exclude", "mesh", WORD, None,
         "Faces that do not count: top (the top surface), none, or a file with one face index per line (of a rig file: "
         "looked for beside it).",

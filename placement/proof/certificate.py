@@ -11,6 +11,7 @@ Two bounds, both on the samples and their ring profiles:
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -21,6 +22,7 @@ from placement.layouts.arcs import TURN, LayoutSpace
 from placement.layouts.constraints import GAP_MARGIN
 from placement.proof.grid_program import GridProgram, GridSolution
 from placement.proof.solver import is_quick, solve
+from placement.proof.surface_bound import SurfaceBound
 from placement.samples.profiles import RingProfiles
 from placement.samples.sampled_coverage import SampledCoverage
 from placement.settings import Settings
@@ -76,6 +78,8 @@ class Certificate:
         implies: they hold, but may be loose.
     of : str
         What the fractions are fractions of, in words.
+    surface : SurfaceBound or None
+        What is proven on the surface itself, for layouts on the grid; None if that was not asked for.
     """
 
     bound_fraction: float
@@ -95,6 +99,7 @@ class Certificate:
     sampling_error: float
     ignores_error: bool
     of: str = "the ring maximum"
+    surface: SurfaceBound | None = None
 
     @property
     def ignores_baseline(self) -> bool:
@@ -105,20 +110,26 @@ class Certificate:
     def statement(self) -> str:
         """What is proven, and what is not, in words."""
         step, cell = np.degrees(self.step), np.degrees(self.cell)
-        words = [
-            f"On {self.n_samples} sample points no layout with cameras at multiples of {step:g} degrees reconstructs "
-            f"more than {self.grid_bound_fraction:.2%} of {self.of}, and no layout at any angles more than "
-            f"{self.bound_fraction:.2%} ({self.method}, cells of {cell:g} degrees)."
-        ]
+        words = [] if self.surface is None else self.surface.words(self.of, f"{step:g}")
+        on_grid = (
+            f"no layout with cameras at multiples of {step:g} degrees reconstructs more than "
+            f"{self.grid_bound_fraction:.2%} of {self.of}, and "
+        )
+        words.append(
+            f"On {self.n_samples} sample points {on_grid if self.surface is None else ''}no layout at any angles "
+            f"reconstructs more than {self.bound_fraction:.2%} ({self.method}, cells of {cell:g} degrees)."
+        )
         if self.grid_fraction is None:
             words.append("No layout on the grid meets the constraints, or none was found in time.")
-        elif not self.proven:
+        elif not (self.proven or self.surface is not None):
             words.append(
                 f"Time ran out: the best layout known on the grid has {self.grid_fraction:.2%}, so the grid's bound "
                 "is not shown to be reached."
             )
         if self.layout_fraction is not None:
-            words.append(f"The layout proposed reconstructs {self.layout_fraction:.2%} of the same samples.")
+            exactly = None if self.surface is None else self.surface.layout_fraction
+            exactly = "" if exactly is None else f"{exactly:.2%} of the surface and "
+            words.append(f"The layout proposed reconstructs {exactly}{self.layout_fraction:.2%} of the samples.")
         words.append(
             f"Not proven: anything between the samples (standard error of a fraction {self.sampling_error:.2%}), "
             "arcs of visibility narrower than the step at which profiles were traced, and the ends of the others more "
@@ -146,11 +157,11 @@ def certify_samples(
     """
     begun = time.perf_counter()
     end = begun + settings.certificate_seconds
-    n_grid = max(4, round(TURN / settings.certificate_step))
+    n_grid = grid_places(settings)
 
     program = grid_of(profiles, space, demand, n_grid)
     # Half of the time for the grid; the bound for any angle needs the rest.
-    known = _on_grid(profiles, space, demand, n_grid, layouts)
+    known = known_on_grid(profiles, space, demand, n_grid, layouts)
     grid = solve(program, settings.certificate_seconds / 2, PROOF_TOLERANCE, known)
     bound, n_cells = float(profiles.sums(np.asarray(profiles.visible.any(axis=0))).min()), n_grid
     for halving in range(MOST_HALVINGS + 1):
@@ -218,7 +229,12 @@ def at_most(certificate: Certificate, more: Certificate) -> Certificate:
     )  # fmt: skip
 
 
-def _on_grid(
+def grid_places(settings: Settings) -> int:
+    """How many grid angles the settings ask for."""
+    return max(4, round(TURN / settings.certificate_step))
+
+
+def known_on_grid(
     profiles: RingProfiles,
     space: LayoutSpace,
     demand: exact.Demand,
@@ -246,17 +262,34 @@ def _on_grid(
 
 def grid_of(profiles: RingProfiles, space: LayoutSpace, demand: exact.Demand, n_grid: int) -> GridProgram:
     """Layouts with the free cameras at multiples of 2 pi / n_grid, as a program."""
-    step = TURN / n_grid
-    grid = step * np.arange(n_grid)
-    window = int(np.ceil(space.minimum_gap / step - STEP_TOLERANCE))
     fixed = np.array(space.constraints.fixed)
-    allowed = space.allowed(grid, fixed, slack=2 * GAP_MARGIN)
     possible, apart = _apart(profiles, space, demand)
+    rules = grid_rules(space, n_grid, apart)
     return GridProgram(
-        profiles.at(grid) & possible, profiles.weights, space.n_free, demand.threshold, window, allowed, profiles.site,
-        np.maximum(apart / step - STEP_TOLERANCE, 0.0), _seen_by_fixed(profiles, fixed) & possible, fixed / step,
-        profiles.n_sites,
+        profiles.at(TURN / n_grid * np.arange(n_grid)) & possible, profiles.weights, space.n_free, demand.threshold,
+        rules.window, rules.allowed, profiles.site, rules.apart, _seen_by_fixed(profiles, fixed) & possible,
+        rules.fixed_at, profiles.n_sites,
     )  # fmt: skip
+
+
+class GridRules(NamedTuple):
+    """What a grid program says of places, whatever they see: fields as those of `GridProgram`."""
+
+    window: int
+    allowed: Bool[np.ndarray, " K"]
+    apart: Float[np.ndarray, " P"]
+    fixed_at: Float[np.ndarray, " F"]
+
+
+def grid_rules(space: LayoutSpace, n_grid: int, apart: Float[np.ndarray, " P"]) -> GridRules:
+    """Which places layouts of `space` may take together; (P,) `apart` is how far two must be for each point [rad]."""
+    step = TURN / n_grid
+    return GridRules(
+        int(np.ceil(space.minimum_gap / step - STEP_TOLERANCE)),
+        space.allowed(step * np.arange(n_grid), np.array(space.constraints.fixed), slack=2 * GAP_MARGIN),
+        np.maximum(apart / step - STEP_TOLERANCE, 0.0),
+        np.array(space.constraints.fixed) / step,
+    )
 
 
 def cells_of(profiles: RingProfiles, space: LayoutSpace, demand: exact.Demand, n_cells: int) -> GridProgram:
@@ -291,13 +324,18 @@ def _apart(
     M cameras in an arc of chord b have a spread of at most M b² / 4, the greatest with half of them at either end, and
     (M² - 1) b² / (4 M) if M is odd. So an error asks for a baseline too, each point for its own.
     """
-    diameter, n_cameras = space.ring.diameter, space.n_cameras
+    n_cameras = space.n_cameras
     chord = np.full(len(profiles.weights), demand.baseline * (1 - SAME_LENGTH))
     if demand.max_error is not None:
         spread = profiles.noise / demand.max_error**2
         implied = np.sqrt(4 * n_cameras * spread / max(n_cameras**2 - n_cameras % 2, 1))
         chord = np.maximum(chord, implied * (1 - SAME_LENGTH))
-    return chord <= diameter, 2 * np.arcsin(np.minimum(chord / diameter, 1.0))
+    return chord <= space.ring.diameter, arc_of(chord, space.ring)
+
+
+def arc_of(chord: Float[np.ndarray, " N"], ring: exact.Ring) -> Float[np.ndarray, " N"]:
+    """How far apart around the ring [rad] cameras are whose distance is (N,) `chord`."""
+    return 2 * np.arcsin(np.minimum(chord / ring.diameter, 1.0))
 
 
 def _open_cells(space: LayoutSpace, n_cells: int) -> Bool[np.ndarray, " {n_cells}"]:

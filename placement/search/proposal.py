@@ -10,7 +10,8 @@ from placement.errors import PlacementError
 from placement.layouts.arcs import LayoutSpace
 from placement.layouts.distinct import canonical, distinct
 from placement.progress import Progress, nothing
-from placement.proof.certificate import Certificate, certify_samples, measure
+from placement.proof.certificate import Certificate
+from placement.proof.surface import certified, measured
 from placement.results import Candidate, Placement, SearchRecord, SiteResult, library_versions
 from placement.samples.sampled_coverage import SampledCoverage
 from placement.search.accurate import accurate_layouts
@@ -39,8 +40,8 @@ def bound(problem: "Problem", space: LayoutSpace, layout=None) -> Certificate:
     demand = problem.demanded(space.constraints, space.n_cameras)
     if layout is not None:
         _refuse_other(space, layout)
-    certificate = certify_samples(problem.profiles, space, demand, problem.settings, problem.sites.of)
-    return certificate if layout is None else measure(certificate, problem.profiles, layout, demand, problem.ring)
+    certificate = certified(problem, space, demand)
+    return certificate if layout is None else measured(problem, certificate, space, layout, demand)
 
 
 def _refuse_other(space: LayoutSpace, layout) -> None:
@@ -75,7 +76,7 @@ def propose(
         raise PlacementError(f"give_up is {give_up!r}; it must be at least 0 and below 1, a part of the ring maximum")
     starts = checked_starts(starts, space.n_cameras)
     report = progress or nothing
-    settings, ring, profiles = problem.settings, problem.ring, problem.profiles
+    settings, ring = problem.settings, problem.ring
     demand = problem.demanded(space.constraints, space.n_cameras)
     scorer, (coverage, surrogate) = problem.scorer(space.constraints), problem.coverage(space.constraints)
     clock = _Clock()
@@ -95,11 +96,11 @@ def propose(
     certificate = None
     if certify:
         report("bounding any layout", 0, 1)
-        certificate = certify_samples(
-            profiles, space, demand, settings, problem.sites.of, pool[: settings.exact_candidates]
-        )
-        if certificate.grid_angles is not None and space.allows(certificate.grid_angles):
-            layouts.append(("certificate", np.array(certificate.grid_angles)))
+        certificate = certified(problem, space, demand, pool[: settings.exact_candidates])
+        on_surface = None if certificate.surface is None else certificate.surface.angles
+        for angles in (certificate.grid_angles, on_surface):
+            if angles is not None and space.allows(angles):
+                layouts.append(("certificate", np.array(angles)))
         clock.lap("certificate")
 
     phases = compared_phases(problem, space)
@@ -158,7 +159,7 @@ def propose(
         sites=sites,
         objective=problem.sites.objective,
         candidates=tuple(scored),
-        certificate=None if certificate is None else measure(certificate, profiles, proposed.angles, demand, ring),
+        certificate=None if certificate is None else measured(problem, certificate, space, proposed.angles, demand),
         search=SearchRecord(**counts, n_exact=n_exact, n_moves=n_moves, seconds=clock.seconds),
         ring=ring,
         n_cameras=space.n_cameras,
