@@ -1,5 +1,6 @@
 """Candidates: soft descent from many starts, then moves of one and two cameras on the samples; the distinct ends."""
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -39,7 +40,7 @@ def search(problem: "Problem", space: LayoutSpace, known: list[np.ndarray]) -> t
         ends = _descended(starts, surrogate, space, settings)
     usable = [end for end, failed in zip(ends.angles, ends.failed, strict=True) if not failed and space.allows(end)]
     # From the starts too: where the soft landscape leads all starts past an optimum, moving one camera may find it.
-    found = usable + [coverage.improve(space, layout) for layout in usable + starts + known]
+    found = usable + [coverage.improve(space, layout) for layout in (*usable, *starts, *known)]
     leading = _distinct(found, problem, space)[: settings.n_pair_searches]
     kept = _distinct(found + [coverage.improve_pairs(space, layout) for layout in leading], problem, space)
     return kept, dict(n_starts=len(starts), n_failed=n_failed, n_flat=n_flat, n_distinct=len(kept))
