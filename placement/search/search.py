@@ -21,7 +21,9 @@ def import_descent() -> None:
     import placement.surrogate.descent  # noqa: F401
 
 
-def search(problem: "Problem", space: LayoutSpace, known: list[np.ndarray]) -> tuple[list[np.ndarray], dict[str, int]]:
+def search(
+    problem: "Problem", space: LayoutSpace, known: Sequence[np.ndarray] = ()
+) -> tuple[list[np.ndarray], dict[str, int]]:
     """Distinct layouts, the one that reconstructs most of the samples first, and counts of what happened.
 
     `known` are layouts to start from beside those of the settings.
