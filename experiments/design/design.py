@@ -9,6 +9,7 @@ import numpy as np
 
 import exact
 import placement
+from exact.demand import SAME_LENGTH
 from experiments.files.errors import InputError
 from experiments.request import layout_file
 from placement.layouts.constraints import GAP_MARGIN, demanded, on_ring
@@ -164,7 +165,12 @@ class Design:
         """The design of a layout file, under constraints of its own or, where it has none, of `otherwise`."""
         kept = made.content.get("constraints") or {}
         known = asdict(otherwise) | {"fixed": (), "min_baseline": 0.0, "min_angle": 0.0} | kept
-        return Design.of(made.ring, made.demand, layout_file.constraints_of(known), made.angles.tolist())
+        constraints = layout_file.constraints_of(known)
+        # What the angle asks for is asked by the angle; a file's demand may have it too.
+        said = (made.content.get("demand") or {}).get("min_baseline", made.demand.min_baseline)
+        implied = replace(constraints, min_baseline=0.0).baseline(made.ring)
+        demand = replace(made.demand, min_baseline=0.0 if abs(said - implied) < SAME_LENGTH else said)
+        return Design.of(made.ring, demand, constraints, made.angles.tolist())
 
 
 def _nearest(arcs: np.ndarray, angle: float) -> float:

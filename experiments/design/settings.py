@@ -9,6 +9,8 @@ from experiments.files.errors import InputError
 
 # How far a slider goes to either side of what it stands at in the beginning, as a factor.
 REACH = 3.0
+# What starts at nothing, or counts: sliders for these always go from end to end.
+FROM_NOTHING = ("threshold", "min_separation", "min_baseline", "min_angle")
 # What no number of a request is above; the classes that take it refuse what makes no sense below that.
 LARGEST = 1e7
 
@@ -92,7 +94,7 @@ class Setting:
         """For the page: its slider goes to either side of what it is in the design that it begins with."""
         least, most = self.span
         start = self.value(first)
-        if start and not self.optional and self.field not in ("threshold", "min_separation", "min_baseline"):
+        if start and not self.optional and self.field not in FROM_NOTHING:
             least, most = start / REACH, start * REACH
         return {
             "name": self.name, "label": self.label, "unit": self.unit, "least": _rounded(least, self.step),
@@ -110,6 +112,10 @@ SETTINGS = {
         Setting("threshold", "views that a point needs", "", "demand", "threshold", (1, min(8, MOST_CAMERAS)), 1),
         Setting("min_separation", "separation of any two cameras", "mm", "constraints", "min_separation", (0, 30), 0.1),
         Setting("min_baseline", "baseline of some two views", "mm", "demand", "min_baseline", (0.0, 30.0), 0.1),
+        Setting(
+            "min_angle", "angle of some two rays", "°", "constraints", "min_angle", (0.0, 10.0), 0.05,
+            factor=math.pi / 180,
+        ),
         Setting("max_error", "greatest error", "mm", "demand", "max_error", (0.01, 1.0), 0.005, optional=True),
         Setting(
             "max_incidence", "greatest angle from the normal", "°", "limits", "max_incidence", (10.0, 89.0), 0.5,
@@ -119,6 +125,7 @@ SETTINGS = {
             "min_pixel_density", "least pixel density", "px/mm²", "limits", "min_pixel_density", (10.0, 20000.0), 10.0,
             optional=True,
         ),
+        Setting("max_blur", "greatest blur", "px", "limits", "max_blur", (0.5, 20.0), 0.5, optional=True),
         Setting(
             "depth_near", "sharp from a depth of", "mm", "limits", "depth_of_field", (50.0, 1000.0), 1.0, index=0,
             optional=True,

@@ -78,8 +78,10 @@ class LayoutFile:
             found[name] = value
         return found
 
-    def refuse_other_mesh(self, mesh: trimesh.Trimesh, name: str, force: bool) -> None:
+    def refuse_other_mesh(self, mesh: trimesh.Trimesh, name: str, force: bool | None) -> None:
         """Refuse a mesh that it was not made for, unless it does not say for which, or with `force`.
+
+        `force` is None where there is no such option to offer.
 
         Raises
         ------
@@ -88,9 +90,9 @@ class LayoutFile:
         if force or not self.made_for or fingerprint(mesh) in self.made_for:
             return
         meant = " or ".join(repr(known) for known in dict.fromkeys(self.made_for.values()))
+        otherwise = "leave the layout out" if force is None else "--force to use the layout with this one"
         raise InputError(
-            f"{self.path} was made for {meant}, and {name} is not the same mesh; give that one, or --force to use the "
-            "layout with this one"
+            f"{self.path} was made for {meant}, and {name} is not the same mesh; give that one, or {otherwise}"
         )
 
 

@@ -106,7 +106,7 @@ def _first(asked: Request, made: layout_file.LayoutFile | None, options: dict[st
     if made is None:
         asked.check_cameras(asked.rig.n_cameras)
         return first_design(asked.ring, asked.rig)
-    made.refuse_other_mesh(asked.subjects[0].mesh, asked.name, force=False)
+    made.refuse_other_mesh(asked.subjects[0].mesh, asked.name, force=None)
     demand = overridden(made.moved_to(asked.ring), options)
     return reader.design(replace(made, ring=asked.ring, demand=demand))
 

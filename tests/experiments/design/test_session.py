@@ -101,7 +101,8 @@ def test_history_goes_back_and_forth_and_forgets_the_oldest():
 
 def test_history_is_kept_whole(tmp_path):
     asked = session(design((1.2, 2.5, 4.0), forbidden=ARCS, fixed=(2.5,)))
-    for name, value in (("max_error", 0.2), ("depth_near", 350.0), ("max_incidence", 80.0), ("min_baseline", 3.0)):
+    turned = {"max_error": 0.2, "depth_near": 350.0, "max_incidence": 80.0, "min_baseline": 3.0, "min_angle": 1.5}
+    for name, value in turned.items():
         asked.act({"do": "turn", "name": name, "value": value})
     asked.act({"do": "drop"})
     asked.act({"do": "add", "place": None})
@@ -121,8 +122,9 @@ def test_history_is_kept_whole(tmp_path):
 
 
 def test_every_setting_is_put_and_read_back():
-    first = design()
-    values = {"threshold": 3, "min_separation": 2.0, "min_baseline": 12.0, "depth_near": 10.0}
+    seen_through = exact.Demand(optics=exact.Optics(pupil=1.5))  # a limit on blur takes a pupil
+    first = Design.of(RING, seen_through, placement.Constraints(), [1.2, 2.5, 4.0])
+    values = {"threshold": 3, "min_separation": 2.0, "min_baseline": 12.0, "min_angle": 2.0, "depth_near": 10.0}
     for name, setting in SETTINGS.items():
         value = values.get(name, 45.0)
         changed = setting.put(first, value)
@@ -135,6 +137,9 @@ def test_every_setting_is_put_and_read_back():
         assert told["least"] < told["most"]
     both = SETTINGS["depth_far"].put(SETTINGS["depth_near"].put(first, 300.0), 500.0)
     assert both.demand.limits.depth_of_field == (300.0, 500.0)
+    assert SETTINGS["min_angle"].put(first, 2.0).whole.min_baseline > 13.9  # 2 degrees at 400 mm
+    with pytest.raises(exact.ExactError, match="the pupil is not known"):
+        SETTINGS["max_blur"].put(design(), 2.0)
     with pytest.raises(exact.ExactError, match="depth_of_field"):
         SETTINGS["depth_far"].put(both, 200.0)
 
