@@ -69,6 +69,35 @@ def drag(window, camera, degrees, steps=12):
     window.known()
 
 
+def test_a_camera_is_dragged_by_a_finger_on_a_tablet(chromium, server, camring, scan):
+    tablet = Looked(chromium, server.address, 820, 1180, has_touch=True, is_mobile=True)
+    page, before = tablet.page, tablet.angles()
+    page.locator("#ring").scroll_into_view_if_needed()
+    (x, y), (middle_x, middle_y) = tablet.centre("#ring .camera .touch", 1), tablet.centre("#ring")
+    fingers = page.context.new_cdp_session(page)
+
+    def touch(what, *places):
+        points = [{"x": at_x, "y": at_y} for at_x, at_y in places]
+        fingers.send("Input.dispatchTouchEvent", {"type": what, "touchPoints": points})
+
+    start, radius = math.atan2(middle_y - y, x - middle_x), math.hypot(x - middle_x, y - middle_y)
+    scrolled = page.evaluate("scrollY")
+    touch("touchStart", (x, y))
+    for step in range(1, 13):
+        angle = start + math.radians(20) * step / 12
+        touch("touchMove", (middle_x + radius * math.cos(angle), middle_y - radius * math.sin(angle)))
+    touch("touchEnd")
+    page.wait_for_timeout(200)
+    tablet.known()
+    turned = (tablet.angles()[1] - before[1] + 180) % 360 - 180
+    assert abs(turned - 20) < 2 and tablet.angles()[0] == before[0]
+    assert page.evaluate("scrollY") == scrolled  # the page stays where it is meanwhile
+    shown = tablet.number("area"), tablet.number("error")
+    assert shown == evaluated(camring, scan, "--angles-deg", said_angles(tablet))
+    assert tablet.faults == []
+    page.close()
+
+
 def said_angles(window):
     return ",".join(f"{angle:.3f}" for angle in window.angles())
 
