@@ -15,6 +15,7 @@ from experiments.files.errors import InputError
 from experiments.files.table import finite
 from experiments.files.whole import written_whole
 from experiments.request.declared_fields import declared
+from experiments.request.meshes import is_site
 from experiments.request.options import CLASSES, PARTS
 from meshes import fingerprint
 
@@ -62,8 +63,13 @@ class LayoutFile:
             return self.demand
         return replace(self.demand, depth_axis=ring.axis)
 
-    def loaded(self, options: dict[str, Any]) -> dict[str, bool]:
-        """How its mesh, the first of several, was loaded, with what options say otherwise: `repair`, `two_sided`.
+    def loaded(self, mesh: str, options: dict[str, Any]) -> dict[str, Any]:
+        """How `mesh` is loaded as its own was, the first of several, with what options say otherwise.
+
+        Returns
+        -------
+        dict
+            `repair`, `two_sided`, and `scale`, which is 1 of a built-in site.
 
         Raises
         ------
@@ -76,7 +82,10 @@ class LayoutFile:
             if not isinstance(value, bool):
                 raise InputError(f'{self.path}: "{name}" of its "mesh" is {value!r}; it must be true or false')
             found[name] = value
-        return found
+        scale = kept.get("scale", 1.0) if options.get("scale") is None else options["scale"]
+        if isinstance(scale, bool) or not isinstance(scale, int | float) or not scale > 0:
+            raise InputError(f'{self.path}: the "scale" of its "mesh" is {scale!r}; it must be a positive number')
+        return found | {"scale": 1.0 if is_site(mesh) else float(scale)}
 
     def refuse_other_mesh(self, mesh: trimesh.Trimesh, name: str, force: bool | None) -> None:
         """Refuse a mesh that it was not made for, unless it does not say for which, or with `force`.

@@ -53,8 +53,15 @@ def test_what_a_repair_did(camring, tmp_path, quick_search):
     assert camring("report", out, "--mesh", path, "--out", tmp_path / "page")[0] == 0
     glb = ("export", out / "layout.json", "--format", "glb", "--mesh", path, "--out", tmp_path / "glb")
     assert camring(*glb)[0] == 0 and camring(*glb, "--force", "--no-repair")[0] == 2
-    status, out_text, _ = camring("evaluate", path, "--layout", out / "layout.json", "--repair", "--json")
-    assert status == 0 and json.loads(out_text)["area_mm2"] == pytest.approx(layout["areas_mm2"]["optimised"])
+    made = out / "layout.json"
+    for more in ((), ("--repair",)):
+        status, out_text, _ = camring("evaluate", path, "--layout", made, "--json", *more)
+        assert status == 0 and json.loads(out_text)["area_mm2"] == pytest.approx(layout["areas_mm2"]["optimised"])
+    assert camring("evaluate", path, "--layout", made, "--no-repair")[0] == 2
+    other = tmp_path / "other.json"
+    other.write_bytes(made.read_bytes())
+    status, out_text, _ = camring("compare", made, other, "--mesh", path, "--json")
+    assert status == 0 and json.loads(out_text)["mesh"]["repairs"] == ["turned 1 body outside-out"]
 
 
 def test_a_sheet_that_looks_away(camring, tmp_path):

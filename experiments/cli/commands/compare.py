@@ -46,11 +46,8 @@ def run(
             )
     # One demand for all, or their areas would not compare: of baselines the strictest that any of them was made for.
     strictest = replace(read[0].demand, min_baseline=max(one.demand.min_baseline for one in read))
-    scale = 1.0 if options["scale"] is None else options["scale"]
-    about = subject(
-        mesh, depth, detail, bool(options["repair"]), scale, bool(options["two_sided"]), read[0].ring,
-        place=checked_place(options) == "auto",
-    )  # fmt: skip
+    loaded = read[0].loaded(mesh, options)
+    about = subject(mesh, depth, detail, ring=read[0].ring, place=checked_place(options) == "auto", **loaded)
     rig = read[0].ring if about.ring is None else about.ring
     for one in read:
         one.refuse_other_mesh(about.mesh, about.name, force)
@@ -76,7 +73,7 @@ def run(
         gain = None if one is read[0] else (found - areas[0]) / maximum
         rows.append(layout_table.row(str(one.path), one.angles, found, found / maximum, gain, spread, error))
     content: dict[str, Any] = {
-        "mesh": {"name": about.name, "excluded": excluded.words, "scale": scale, **about.told},
+        "mesh": {"name": about.name, "excluded": excluded.words, "scale": loaded["scale"], **about.told},
         "ring": layout_file.ring_content(rig),
         "threshold": demand.threshold,
         "min_baseline_mm": demand.min_baseline,

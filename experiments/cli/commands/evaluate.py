@@ -78,8 +78,9 @@ def run(
             "--zero-towards out; --place auto moves it over the mesh"
         )
     # One mesh as it is: what a rig file says of several and of poses is for layouts that serve them all.
-    rig = replace(rig_file.rig(rig_path, **options), jitter=1, site_weights=None)
     made = None if layout is None else layout_file.read(layout)
+    given = options if made is None else options | made.loaded(mesh, options)
+    rig = replace(rig_file.rig(rig_path, **given), jitter=1, site_weights=None)
     asked = request([mesh], depth, detail, rig, None if made is None else made.ring)
     if made is not None:
         made.refuse_other_mesh(asked.subjects[0].mesh, asked.name, force)

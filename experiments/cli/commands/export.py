@@ -3,7 +3,6 @@
 from pathlib import Path
 from typing import Any
 
-import meshes
 from experiments.exports import formats
 from experiments.exports.cameras import named_cameras, parse_resolution
 from experiments.files.errors import InputError
@@ -69,16 +68,6 @@ def _site(
     options: dict[str, Any],
     force: bool,
 ) -> Subject:
-    scale = 1.0 if mesh in meshes.SITES else _scale(made)
-    site = subject(mesh, depth, detail, scale=scale, ring=made.ring, **made.loaded(options))
+    site = subject(mesh, depth, detail, ring=made.ring, **made.loaded(mesh, options))
     made.refuse_other_mesh(site.mesh, site.name, force)
     return site
-
-
-def _scale(made: layout_file.LayoutFile) -> float:
-    """Factor to millimetres from the unit of the mesh file that the layout was made for."""
-    origin = made.content.get("mesh")
-    scale = origin.get("scale", 1.0) if isinstance(origin, dict) else 1.0
-    if isinstance(scale, bool) or not isinstance(scale, int | float) or not scale > 0:
-        raise InputError(f'{made.path}: the "scale" of its "mesh" is {scale!r}; it must be a positive number')
-    return float(scale)

@@ -13,7 +13,7 @@ from experiments.files.whole import output_folder
 from experiments.report import NAME
 from experiments.report import page as report
 from experiments.request import layout_file
-from experiments.request.meshes import Subject, exclusion, is_site, subject
+from experiments.request.meshes import Subject, exclusion, subject
 from experiments.terminal.console import note, print_json
 from experiments.terminal.progress import working
 
@@ -57,8 +57,7 @@ def _mesh(made: layout_file.LayoutFile, mesh: str | None, options: dict[str, Any
                 f"{made.path} was made for {first['name']!r}, a file; say where it is, as in --mesh scan.stl"
             )
     else:
-        scale = 1.0 if is_site(mesh) else first["scale"]
-        about = subject(mesh, None, None, scale=scale, ring=made.ring, **made.loaded(options))
+        about = subject(mesh, None, None, ring=made.ring, **made.loaded(mesh, options))
     if meshes.fingerprint(about.mesh) != first["sha256"]:
         raise InputError(
             f"{made.path} was made for {first['name']!r}, and {about.name} is not the same mesh; give that one with "
