@@ -1,8 +1,10 @@
 """Area against accuracy: the layouts of which none has both more area and less error."""
 
+import itertools
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -33,6 +35,19 @@ N_LAYOUTS = 6
 # Opposite pairs to compare with, turned against each other in equal steps.
 N_PAIR_LAYOUTS = 4
 N_PHASES = 6
+
+
+# What is looked at in the beginning: one in so many of the samples, cameras at these angles [rad], so many choices of
+# all but one of them for each start of a search (all choices of three of four), and the best in each step of coverage.
+THINNING, COARSE, CHOICES_PER_START, WORTH_STEP = 8, np.radians(10.0) * np.arange(36), 300, 0.002
+# How many of those start a search.
+N_WITHIN = 10
+
+
+class _Rough(NamedTuple):
+    layout: np.ndarray
+    worth: float
+    error: float
 
 
 @dataclass(frozen=True)
@@ -138,16 +153,18 @@ def trade(
     pool, _ = search(problem, space)
     rng = np.random.default_rng([problem.seed, 4])
     searched: list[np.ndarray] = list(pool[:N_SCORED])
+    broad = _broadly(coverage, space, rng, CHOICES_PER_START * problem.settings.n_starts)
     last: list[np.ndarray] = []
     for number in range(len(GIVEN_UP) + N_FILLED):
         report("trading area for accuracy", number, len(GIVEN_UP) + N_FILLED)
         # What gives up a little less is a good place to start from, after a search of its own for the first, but not
         # the only one.
-        fresh = [space.random(rng) for _ in range(N_FRESH)]
-        given_up, starts = GIVEN_UP[min(number, len(GIVEN_UP) - 1)], [*last, *fresh] if last else None
+        given_up, starts = GIVEN_UP[min(number, len(GIVEN_UP) - 1)], last
         if number >= len(GIVEN_UP):
-            given_up, near = _widest_step(coverage, searched, coverage.worth(pool[0]))
-            starts = [*near, *fresh]
+            given_up, starts = _widest_step(coverage, searched, coverage.worth(pool[0]))
+        if starts:
+            fresh = [space.random(rng) for _ in range(N_FRESH)]
+            starts = [*starts, *fresh, *_within(broad, coverage.worth(pool[0]) - given_up)]
         last = accurate_layouts(problem, space, pool, given_up, starts)[:N_LAYOUTS]
         searched += last
     report("trading area for accuracy", 1, 1)
@@ -177,6 +194,42 @@ def trade(
         tuple(one for one in traded if one.kind != "searched"),
         bound,
     )
+
+
+def _broadly(coverage: SampledCoverage, space: LayoutSpace, rng: np.random.Generator, most: int) -> list[_Rough]:
+    """The least error among very many layouts, for each of some amounts of coverage, on few of the samples.
+
+    All cameras but one at multiples of a coarse step, all such choices or `most` at random, and the one anywhere.
+    """
+    thin = SampledCoverage(coverage.profiles.thinned(THINNING), coverage.demand, coverage.ring, len(coverage.grid))
+    n_free, fixed = space.n_free, np.array(space.constraints.fixed)
+    if n_free < 1:
+        return []
+    places = np.flatnonzero(space.allowed(COARSE, fixed))
+    choices: list = []
+    if math.comb(len(places), n_free - 1) <= most:
+        choices = list(itertools.combinations(places.tolist(), n_free - 1))
+    elif len(places) >= n_free:
+        choices = [rng.choice(places, n_free - 1, replace=False) for _ in range(most)]
+    best: dict[int, _Rough] = {}
+    for chosen in choices:
+        others = np.concatenate([COARSE[list(chosen)], fixed])
+        worths, errors = thin.measured_with_one_more(others)
+        errors = np.where(space.allowed(thin.pair_grid, others), errors, np.inf)
+        steps = np.floor(worths / WORTH_STEP).astype(int)
+        for step in np.unique(steps):
+            at = np.flatnonzero(steps == step)[errors[steps == step].argmin()]
+            if errors[at] < (best[step].error if step in best else np.inf):
+                layout = np.append(others, thin.pair_grid[at])
+                if space.allows(layout):
+                    best[step] = _Rough(layout, float(worths[at]), float(errors[at]))
+    return list(best.values())
+
+
+def _within(broad: list[_Rough], least: float) -> list[np.ndarray]:
+    """Of those with about that coverage or more, the ones with the least error."""
+    within = [one for one in broad if one.worth > least - WORTH_STEP]
+    return [one.layout for one in sorted(within, key=lambda one: one.error)[:N_WITHIN]]
 
 
 def _leading(coverage: SampledCoverage, layouts: Sequence[np.ndarray]) -> list[int]:
