@@ -162,6 +162,11 @@ class Design:
     @staticmethod
     def from_layout(made: layout_file.LayoutFile, otherwise: placement.Constraints) -> "Design":
         """The design of a layout file, under constraints of its own or, where it has none, of `otherwise`."""
+        if made.rolls is not None:
+            raise InputError(
+                f"{made.path} gives each camera a roll of its own, which the designer does not know; leave "
+                "rolls_deg and rolls_rad out of it"
+            )
         kept = made.content.get("constraints") or {}
         known = asdict(otherwise) | {"fixed": (), "min_baseline": 0.0, "min_angle": 0.0} | kept
         return Design.of(made.ring, made.demand, layout_file.constraints_of(known), made.angles.tolist())

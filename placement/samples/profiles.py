@@ -214,9 +214,12 @@ class Visibility:
         vertices = np.ascontiguousarray(vertices - self._centre, dtype=np.float32)
         TriangleMesh(self._scene, vertices, np.ascontiguousarray(faces.reshape(-1, 3), dtype=np.int32))
 
-    def from_angles(self, samples: SurfaceSamples, ring: exact.Ring, angles) -> Bool[np.ndarray, "M N"]:
-        """(M, N) bool: does the camera at each of the (M,) ring angles [rad] see each of the N samples."""
-        cameras = poses(ring, angles)
+    def from_angles(self, samples: SurfaceSamples, ring: exact.Ring, angles, rolls=None) -> Bool[np.ndarray, "M N"]:
+        """(M, N) bool: does the camera at each of the (M,) ring angles [rad] see each of the N samples.
+
+        `rolls` are those of the cameras (M,) [rad], as `exact.Ring.cameras` takes them.
+        """
+        cameras = poses(ring, angles, rolls)
         n_cameras, n_points = len(cameras.positions), len(samples)
         seen = np.zeros((n_cameras, n_points), dtype=bool)
         if n_points == 0:

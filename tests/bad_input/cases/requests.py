@@ -27,6 +27,10 @@ RIGS = {
         r"cannot read rig file .*no\.toml: No such file .*; camring rig init writes one",
         lambda folder: rig_file.read(folder / "no.toml"),
     ),
+    "two rolls": rig(
+        "[ring]\nroll = 'tangential'\nroll_deg = 5\n", r"roll and roll_deg in \[ring\] both say how sensors are turned"
+    ),
+    "roll of no kind": rig("[ring]\nroll = 'flat'\n", r"roll is 'flat'; it must be", exact.ExactError),
     "misspelt key": rig("[ring]\ndiametre = 30\n", r"no key 'diametre' in \[ring\]; did you mean diameter\?"),
     "misspelt section": rig("[camera]\ncount = 3\n", r"no section \[camera\]; did you mean \[cameras\]\?"),
     "key in the wrong section": rig("[ring]\ncount = 3\n", r"count in \[ring\] is in the wrong place; .*\[cameras\]"),
@@ -79,6 +83,9 @@ OPTIONS = {
     "one number for a field of view": evaluated(r"--fov is '36'.*36x24", "--cameras", 2, "--fov", "36"),
     "words for an angle": evaluated(r"--angles-deg is '0,ninety'", "--angles-deg", "0,ninety"),
     "no layout at all": evaluated(r"exactly one way"),
+    "two options of roll": evaluated(
+        r"--roll and --roll-deg both say how sensors are turned", "--cameras", 2, "--roll", "radial", "--roll-deg", 5
+    ),
     "negative ring diameter": evaluated(r"ring diameter is -1", "--cameras", 2, "--diameter", -1),
     "scale of 0": evaluated(r"scale is 0\.0; needed is a positive number", "--cameras", 2, "--scale", 0),
     "no camera": evaluated(r"number of cameras is 0; .*at least 1", "--cameras", 0),

@@ -1,0 +1,121 @@
+"""Rolls at the command line, in rig files and in layout files, and what commands make of them."""
+
+import json
+
+import matplotlib.image
+import numpy as np
+import pytest
+import trimesh
+
+import exact
+from experiments.report.scene import drawn_surface
+from experiments.request import rig as rig_file
+from experiments.request.layout_file import read
+from tests.support.files import LAYOUT, RING, put
+
+# A plate 100 mm long and 30 mm wide in the focus: a camera above sees 36 x 24 mm of it, or 24 x 30 where the width of
+# its image lies across the plate.
+ALONG, ACROSS = 36.0 * 24.0, 24.0 * 30.0
+
+
+@pytest.fixture
+def plate(tmp_path):
+    corners = np.array([[-50, -15, 0], [50, -15, 0], [50, 15, 0], [-50, 15, 0]], dtype=float)
+    path = tmp_path / "plate.ply"
+    trimesh.Trimesh(corners, [[0, 1, 2], [0, 2, 3]]).export(path)
+    return path
+
+
+def test_options_rig_files_and_what_wins(tmp_path):
+    def roll(**options):
+        return rig_file.rig(**options).ring((1.0, 1.0)).roll
+
+    assert (roll(), roll(roll="tangential"), roll(roll_deg=90.0)) == ("radial", "tangential", np.pi / 2)
+    word, angle = (
+        put(tmp_path, "a.toml", '[ring]\nroll = "tangential"'),
+        put(tmp_path, "b.toml", "[ring]\nroll_deg = 180"),
+    )
+    assert (roll(path=word), roll(path=angle)) == ("tangential", np.pi)
+    assert (roll(path=word, roll_deg=0.0), roll(path=angle, roll="radial")) == (0.0, "radial")
+
+
+# From straight above, all but.
+NARROW = ("--diameter", "0.01", "--min-baseline", "0", "--threshold", "1", "--exclude", "none")
+
+
+@pytest.mark.parametrize(
+    ("roll", "angle", "area"),
+    [
+        (("--roll", "radial"), 90, ALONG), (("--roll", "radial"), 0, ACROSS), (("--roll", "tangential"), 0, ALONG),
+        (("--roll-deg", "0"), 0, ALONG), (("--roll-deg", "0"), 90, ALONG), (("--roll-deg", "90"), 37, ACROSS),
+    ],
+)  # fmt: skip
+def test_evaluate_turns_the_field_of_view(camring, plate, roll, angle, area):
+    status, out, err = camring("evaluate", plate, "--angles-deg", angle, *roll, *NARROW, "--json")
+    assert status == 0, err
+    assert json.loads(out)["area_mm2"] == pytest.approx(area, rel=1e-4)
+
+
+def test_a_layout_brings_its_rolls(camring, plate, tmp_path):
+    """Two sensors of their own rolls: both along the plate, then crossed."""
+    for rolls, area in (([0.0, 0.0], ALONG), ([0.0, 90.0], 24.0 * 24.0)):
+        ring = RING | {"diameter_mm": 0.01}
+        layout = put(
+            tmp_path, "layout.json", json.dumps(LAYOUT | {"ring": ring, "angles_deg": [90, 270], "rolls_deg": rolls})
+        )
+        brought = read(layout).rolls
+        assert brought is not None and np.degrees(brought) == pytest.approx(rolls)
+        images = tmp_path / f"images{rolls[1]:g}"
+        status, out, err = camring(
+            "evaluate", plate, "--layout", layout, "--exclude", "none", "--images", images, "--json"
+        )
+        assert status == 0, err
+        assert json.loads(out)["area_mm2"] == pytest.approx(area, rel=1e-4)
+        assert matplotlib.image.imread(images / "camera_02.png").size
+        other = put(tmp_path, "other.json", json.dumps(LAYOUT | {"ring": ring, "angles_deg": [90, 270]}))
+        status, out, err = camring(
+            "compare", layout, other, "--mesh", plate, "--out", tmp_path / "compared", "--json", "--force"
+        )
+        assert status == 0, err
+        areas = [one["area_mm2"] for one in json.loads(out)["layouts"]]
+        assert areas == pytest.approx([area, ALONG], rel=1e-4)
+    assert read(other).rolls is None
+
+
+def test_the_designer_takes_no_layout_with_rolls_of_its_own(camring, plate, tmp_path):
+    layout = put(tmp_path, "layout.json", json.dumps(LAYOUT | {"rolls_deg": [0, 90]}))
+    status, _, err = camring("design", plate, "--layout", layout, "--no-browser")
+    assert status == 2
+    assert "gives each camera a roll of its own, which the designer does not know" in err
+
+
+def test_optimise_and_report_with_rolls(camring, plate, tmp_path, quick_search):
+    (tmp_path / "quick.toml").write_text(quick_search, encoding="utf-8")
+    out = tmp_path / "out"
+    status, _, err = camring(
+        "optimise", plate, "--rig", tmp_path / "quick.toml", "--cameras", 2, "--roll-deg", 0, "--report", "--out", out
+    )
+    assert status == 0, err
+    made = read(out / "layout.json")
+    assert made.ring.roll == 0.0 and made.rolls is None
+    content = json.loads((out / "layout.json").read_text(encoding="utf-8"))
+    # All images lie along the plate, wherever the cameras sit.
+    assert content["areas_mm2"]["optimised"] == pytest.approx(ALONG, rel=1e-2)
+    page = (out / "report.html").read_text(encoding="utf-8")
+    assert "the width of every image along ring angle 0°" in page and "roll_deg = 0.0" in page
+    assert "<th>roll [°]</th>" in page and page.count('class="width"') == 2 + 1
+
+
+def test_the_borders_of_views_are_drawn_where_they_meet_the_surface():
+    box, angles, rolls = trimesh.creation.box((10, 9, 8)), np.array([0.3, 2.0]), np.array([0.4, -1.0])
+    ring = exact.Ring(focus=(1.0, 2.0, 0.0), axis=(0.1, 0.0, 1.0))
+    drawn = drawn_surface(exact.Scene(box), ring, angles, exact.Demand(), rolls=rolls)
+    even = ring.cameras(ring.equidistant(2))
+    for corners, camera in zip(drawn.fields, (*even, *ring.cameras(angles, rolls)), strict=True):
+        width, height = camera.resolution
+        assert camera.project(corners) == pytest.approx(
+            np.array([[0, 0], [width, 0], [width, height], [0, height]]), abs=1e-9
+        )
+        levels = corners @ ring.frame[:, 2]
+        assert np.ptp(levels) < 1e-9 and levels[0] == pytest.approx((box.vertices @ ring.frame[:, 2]).max(), abs=0.01)
+    assert [one.cameras.tolist() for one in drawn.colourings] == [[0, 1], [2, 3], [2, 3], [2], [3]]
