@@ -31,8 +31,8 @@ LARGEST_ANGLE = 1e6
 ALONG = 1e-6
 # On one ring. Wachter 2021 takes 360 for all there is to see; tables of pairs of cameras grow with the square.
 MOST_CAMERAS = 10_000
-# Rolls that have a name, as a turn out of the radial one [rad].
-NAMED_ROLLS = {"radial": 0.0, "tangential": np.pi / 2}
+# Rolls that have a name, as a turn out of the radial one [rad]; of free ones unless each camera's is given.
+NAMED_ROLLS = {"radial": 0.0, "tangential": np.pi / 2, "free": 0.0}
 ROLL_WORDS = ", ".join(f'"{name}"' for name in NAMED_ROLLS)
 
 
@@ -56,11 +56,12 @@ class Ring:
     zero_towards : (3,) tuple of float, optional
         Direction in which ring angle 0 lies, as far as it is across the axis. Unless given, +x, or, for an axis that is
         not +z, where the shortest rotation that takes +z to the axis carries +x.
-    roll : "radial", "tangential" or float
+    roll : "radial", "tangential", "free" or float
         How each sensor is turned about its optical axis. "radial": the height of the image is radial and its width
         tangential (Wachter 2021), so that the field of view turns with the ring angle. "tangential": a quarter turn
         from that. A number: the width of every image lies along one direction in space, as far as that is across the
-        optical axis, namely along the ring angle of that number [rad].
+        optical axis, namely along the ring angle of that number [rad]. "free": each camera has a roll of its own,
+        which `placement.optimise` chooses; where none is given, as of equidistant cameras, it is radial.
 
     Raises
     ------
@@ -257,7 +258,7 @@ class Poses(NamedTuple):
 def poses(ring: Ring, angles, rolls: ArrayLike | None = None) -> Poses:
     """Poses of `ring.cameras`, for (M,) ring angles and rolls [rad]."""
     radial = _radial_poses(ring, angles)
-    if rolls is None and ring.roll == "radial":
+    if rolls is None and ring.roll in ("radial", "free"):
         return radial
     turns = ring.rolls(angles) if rolls is None else _checked_rolls(rolls, len(radial.positions))
     right, down, look = np.moveaxis(radial.rotations, 1, 0)

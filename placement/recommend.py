@@ -13,7 +13,7 @@ from placement.layouts.arcs import LayoutSpace
 from placement.layouts.constraints import Constraints
 from placement.progress import Progress, numbered
 from placement.results import Placement
-from placement.search.proposal import propose
+from placement.search.rolled_proposal import propose_layout
 
 if TYPE_CHECKING:
     from placement.problem import Problem
@@ -126,7 +126,7 @@ def recommend(
         if refusal is None:
             try:
                 space = LayoutSpace(problem.ring, n, constraints)
-                found = propose(problem, space, certify, numbered(progress, n), target=target)
+                found = propose_layout(problem, space, certify, numbered(progress, n), target=target)
             except PlacementError as error:  # as many do not fit, nor do more
                 refusal = error
                 if not counts:

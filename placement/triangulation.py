@@ -11,9 +11,9 @@ import exact
 from exact.requests import ASKED, checked, shows
 from placement.errors import refusing
 from placement.samples.profiles import Visibility
-from placement.samples.sampled_coverage import samples_met
 from placement.samples.sampled_site import faces_towards, in_view, noise_of
 from placement.samples.sampling import sample_surface
+from placement.samples.viewed_samples import samples_met
 
 
 @dataclass(frozen=True, eq=False)

@@ -59,6 +59,8 @@ class Design:
     fixed: tuple[bool, ...]
 
     def __post_init__(self):
+        if self.ring.roll == "free":
+            raise InputError("the designer turns sensors as the ring says; give them --roll radial or tangential")
         if len(self.angles) > MOST_CAMERAS:
             raise InputError(f"there are {len(self.angles)} cameras; the designer takes at most {MOST_CAMERAS}")
         broken = self.limits.violations(self.ring, self.angles)

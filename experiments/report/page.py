@@ -131,7 +131,9 @@ def _layouts(made: LayoutFile, shown: exact.Scene) -> tuple[list[dict[str, Any]]
     """Rows of the table of layouts; for the histogram, names, best angles [degrees] and weights of two of them."""
     content, n = made.content, len(made.angles)
     phase, most = np.radians(content["best_equidistant_phase_deg"]), content.get("most_area")
-    other = None if most is None or most["angles_rad"] == made.angles.tolist() else most
+    rolls = None if made.rolls is None else made.rolls.tolist()
+    is_same = most is not None and (most["angles_rad"], most.get("rolls_rad")) == (made.angles.tolist(), rolls)
+    other = None if is_same else most
     kinds = (
         ("equidistant", "equidistant", made.ring.equidistant(n), None),
         (

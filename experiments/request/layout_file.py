@@ -129,6 +129,7 @@ def placement_content(found: "placement.Placement", asked: "Request") -> dict[st
         "demand": asdict(found.demand),
         "angles_deg": np.degrees(found.angles).tolist(),
         "angles_rad": list(found.angles),
+        **rolls_content(found.rolls),
         "best_equidistant_phase_deg": float(np.degrees(found.best_equidistant_phase)),
         "areas_mm2": {name: area / n_poses for name, area in zip(names, areas, strict=True)},
         "fractions_of_ring_maximum": dict(zip(names, fractions, strict=True)),
@@ -137,6 +138,7 @@ def placement_content(found: "placement.Placement", asked: "Request") -> dict[st
         "most_area": {
             "angles_deg": np.degrees(found.most_area.angles).tolist(),
             "angles_rad": list(found.most_area.angles),
+            **rolls_content(found.most_area.rolls),
             "area_mm2": found.most_area.area / n_poses,
             "fraction_of_ring_maximum": found.most_area.fraction,
         },
@@ -155,6 +157,11 @@ def placement_content(found: "placement.Placement", asked: "Request") -> dict[st
         "seed": found.seed,
         "versions": found.versions,
     }  # fmt: skip
+
+
+def rolls_content(rolls: tuple[float, ...] | None) -> dict[str, list[float]]:
+    """Rolls of the cameras' own; nothing where they are the ring's."""
+    return {} if rolls is None else {"rolls_deg": np.degrees(rolls).tolist(), "rolls_rad": list(rolls)}
 
 
 def _mesh_content(found: "placement.Placement", asked: "Request", number: int) -> dict[str, Any]:

@@ -132,9 +132,9 @@ SAID_OTHERWISE: dict[str, dict[str, Any]] = {
     "focus_distance": {"unless_given": "that of the focus"},
     "zero_towards": {"unless_given": "+x, turned with the axis"},
     "roll": {
-        "choices": ("radial", "tangential"),
+        "choices": ("radial", "tangential", "free"),
         "meaning": "How each sensor is turned about its optical axis: radial, with the height of its image towards the "
-        "ring's axis, or tangential, a quarter turn from that.",
+        "ring's axis; tangential, a quarter turn from that; or free, each as is best for the layout.",
     },
 }  # fmt: skip
 BESIDE_CLASSES = (

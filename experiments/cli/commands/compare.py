@@ -39,7 +39,7 @@ def run(
         raise InputError(f"{len(layouts)} layout is given; at least two are needed to compare")
     read = [layout_file.read(path) for path in layouts]
     for one in read[1:]:
-        if one.ring != read[0].ring:
+        if _turned(one.ring) != _turned(read[0].ring):
             raise InputError(
                 f"{one.path} and {read[0].path} are layouts of different rings ({one.ring} and {read[0].ring}); "
                 "areas and fractions compare on one ring only: score each with camring evaluate --layout"
@@ -102,3 +102,8 @@ def run(
     ]
     write_coverage(out / OUTPUTS[1], about.name, scene, rig, panels, demand)
     note(f"wrote {', '.join(str(out / name) for name in OUTPUTS)}")
+
+
+def _turned(ring: exact.Ring) -> exact.Ring:
+    """The ring of equidistant cameras: of free rolls the radial one, whose maximum is the same."""
+    return replace(ring, roll="radial") if ring.roll == "free" else ring

@@ -119,3 +119,37 @@ def test_the_borders_of_views_are_drawn_where_they_meet_the_surface():
         levels = corners @ ring.frame[:, 2]
         assert np.ptp(levels) < 1e-9 and levels[0] == pytest.approx((box.vertices @ ring.frame[:, 2]).max(), abs=0.01)
     assert [one.cameras.tolist() for one in drawn.colourings] == [[0, 1], [2, 3], [2, 3], [2], [3]]
+
+
+def test_free_rolls_from_the_command_line_to_the_report(camring, plate, tmp_path, quick_search):
+    """Two fixed cameras a quarter of the ring apart: turned, both look along the plate."""
+    (tmp_path / "quick.toml").write_text(quick_search, encoding="utf-8")
+    out, fixed = tmp_path / "out", ("--rig", tmp_path / "quick.toml", "--fixed-deg", "0,90", "--diameter", 8)
+    status, printed, err = camring(
+        "optimise", plate, *fixed, "--cameras", 2, "--roll", "free", "--report", "--export", "opencv", "--out", out
+    )
+    assert status == 0, err
+    assert "for free rolls nothing is told of faults and of a bound" in err and "optimised rolls [degrees]:" in printed
+    made, content = read(out / "layout.json"), json.loads((out / "layout.json").read_text(encoding="utf-8"))
+    assert made.ring.roll == "free" and made.rolls is not None
+    assert np.abs(np.sin(made.rolls - [np.pi / 2, 0])) == pytest.approx(0, abs=0.1)
+    assert content["areas_mm2"]["optimised"] == pytest.approx(ALONG, rel=2e-2)
+    table = (out / "layouts.csv").read_text(encoding="utf-8").splitlines()
+    assert table[0].endswith(",rolls_deg") and table[1].endswith("0.0 0.0")
+    turns = [camera["R"] for camera in json.loads((out / "opencv.json").read_text(encoding="utf-8"))["cameras"]]
+    assert turns == pytest.approx(np.array([one.rotation for one in made.ring.cameras(made.angles, made.rolls)]))
+    page = (out / "report.html").read_text(encoding="utf-8")
+    assert "<dt>sensors</dt><dd>free</dd>" in page and "roll = &#34;free&#34;" in page and "<th>roll [°]</th>" in page
+
+    status, printed, err = camring("evaluate", plate, "--layout", out / "layout.json", "--exclude", "none", "--json")
+    assert status == 0, err
+    assert json.loads(printed)["area_mm2"] == pytest.approx(content["areas_mm2"]["optimised"], rel=1e-12)
+    # Beside one of radial sensors, for which the ring maximum is the same.
+    assert camring("optimise", plate, *fixed, "--cameras", 2, "--no-robustness", "--out", tmp_path / "radial")[0] == 0
+    layouts = (out / "layout.json", tmp_path / "radial" / "layout.json")
+    status, printed, err = camring("compare", *layouts, "--mesh", plate, "--json")
+    assert status == 0, err
+    first, second = (one["fraction_of_ring_maximum"] for one in json.loads(printed)["layouts"])
+    assert first > 1.3 * second
+    status, _, err = camring("design", plate, "--roll", "free", "--no-browser", "--cameras", 2)
+    assert status == 2 and "the designer turns sensors as the ring says" in err
