@@ -18,6 +18,7 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from exact.cameras import LONGEST, RESOLUTION, SHORTEST, Camera, finite_vector, length, looking
 from exact.errors import ExactError
@@ -30,6 +31,9 @@ LARGEST_ANGLE = 1e6
 ALONG = 1e-6
 # On one ring. Wachter 2021 takes 360 for all there is to see; tables of pairs of cameras grow with the square.
 MOST_CAMERAS = 10_000
+# Rolls that have a name, as a turn out of the radial one [rad]; of free ones unless each camera's is given.
+NAMED_ROLLS = {"radial": 0.0, "tangential": np.pi / 2, "free": 0.0}
+ROLL_WORDS = ", ".join(f'"{name}"' for name in NAMED_ROLLS)
 
 
 @dataclass(frozen=True)
@@ -44,7 +48,7 @@ class Ring:
         Distance of the ring's plane from the focus, along the axis [mm].
     fov : (2,) tuple of float
         Field of view in the plane through the focus perpendicular to each optical axis:
-        width (tangential) and height (radial) [mm]. It turns with the ring angle.
+        width and height [mm]. How it lies is said by `roll`.
     focus : (3,) tuple of float
         The point all cameras look at [mm].
     axis : (3,) tuple of float
@@ -52,15 +56,23 @@ class Ring:
     zero_towards : (3,) tuple of float, optional
         Direction in which ring angle 0 lies, as far as it is across the axis. Unless given, +x, or, for an axis that is
         not +z, where the shortest rotation that takes +z to the axis carries +x.
+    roll : "radial", "tangential", "free" or float
+        How each sensor is turned about its optical axis. "radial": the height of the image is radial and its width
+        tangential (Wachter 2021), so that the field of view turns with the ring angle. "tangential": a quarter turn
+        from that. A number: the width of every image lies along one direction in space, as far as that is across the
+        optical axis, namely along the ring angle of that number [rad]. "free": each camera has a roll of its own,
+        which `placement.optimise` chooses; where none is given, as of equidistant cameras, it is radial.
 
     Raises
     ------
     ExactError
-        If a length is not positive, one is shorter than 1e-9 or longer than 1e9 mm, a vector is not finite, or
-        `zero_towards` is along the axis.
+        If a length is not positive, one is shorter than 1e-9 or longer than 1e9 mm, a vector is not finite,
+        `zero_towards` is along the axis, or `roll` is none of these.
 
     Examples
     --------
+    >>> [float(one.project([[10.0, 0.0, 0.0]])[0, 1].round(9)) for one in Ring(roll=0.0).cameras([0.0, 1.0, 2.0])]
+    [1200.0, 1200.0, 1200.0]
     >>> ring = Ring()
     >>> ring.positions([0.0])
     array([[ 15.,   0., 400.]])
@@ -75,6 +87,7 @@ class Ring:
     focus: tuple[float, float, float] = (0.0, 0.0, 0.0)
     axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
     zero_towards: tuple[float, float, float] | None = None
+    roll: str | float = "radial"
     _frame: np.ndarray = field(init=False, repr=False, compare=False)
 
     def __post_init__(self):
@@ -93,6 +106,10 @@ class Ring:
         if not axis.any():
             raise ExactError("ring axis is the zero vector; give the direction from the focus to the ring")
         put("axis", tuple(axis.tolist()))
+        if not isinstance(self.roll, str):
+            put("roll", _angle("roll", self.roll, f"{ROLL_WORDS} or a number"))
+        elif self.roll not in NAMED_ROLLS:
+            raise ExactError(f"roll is {self.roll!r}; it must be {ROLL_WORDS} or a number [rad]")
         unit = _unit(axis)
         if self.zero_towards is None:
             put("_frame", _rotation_from_z(unit))
@@ -165,17 +182,61 @@ class Ring:
         )
         return np.array(self.focus) + local @ self._frame.T
 
-    def cameras(self, angles) -> tuple[Camera, ...]:
-        """One camera at each of the (M,) ring angles [rad], all looking at the focus.
+    def cameras(self, angles, rolls: ArrayLike | None = None) -> tuple[Camera, ...]:
+        """Cameras at ring angles, all looking at the focus.
 
-        Each up vector points to where the plane perpendicular to the optical axis meets the ring's axis, so that
-        the image's width is tangential to the ring and its height radial (Wachter 2021, section 2.2).
+        The up vector of a camera without roll points to where the plane perpendicular to the optical axis meets the
+        ring's axis, so that the image's width is tangential to the ring and its height radial (Wachter 2021, section
+        2.2).
+
+        Parameters
+        ----------
+        angles : (M,) array_like
+            Ring angles [rad].
+        rolls : (M,) array_like, optional
+            By how much each camera is turned about its optical axis out of the radial position, clockwise as it looks
+            [rad]; as `roll` says unless given.
+
+        Returns
+        -------
+        (M,) tuple of Camera
+
+        Examples
+        --------
+        >>> ring = Ring()
+        >>> (radial,), (turned,) = ring.cameras([1.0]), ring.cameras([1.0], rolls=[np.pi / 2])
+        >>> bool(np.allclose(turned.rotation[0], radial.rotation[1]))  # right is now what was down
+        True
         """
         fov, resolution = np.array(self.fov), np.array(RESOLUTION)
         return tuple(
             Camera(position, rotation, distance, fov, resolution)
-            for position, rotation, distance in zip(*poses(self, angles), strict=True)
+            for position, rotation, distance in zip(*poses(self, angles, rolls), strict=True)
         )
+
+    def rolls(self, angles) -> np.ndarray:
+        """By how much `roll` turns the cameras at ring angles about their optical axes, out of the radial position.
+
+        Parameters
+        ----------
+        angles : (M,) array_like
+            Ring angles [rad].
+
+        Returns
+        -------
+        (M,) ndarray
+            Rolls [rad], as `cameras` takes them.
+
+        Examples
+        --------
+        >>> np.degrees(Ring(roll=0.0).rolls([0.0, np.pi / 2])).round(9).tolist()
+        [90.0, 180.0]
+        """
+        if isinstance(self.roll, str):
+            return np.full(len(_checked_angles(angles)), NAMED_ROLLS[self.roll])
+        right, down, _ = np.moveaxis(_radial_poses(self, angles).rotations, 1, 0)
+        along = self._frame[:, :2] @ [np.cos(self.roll), np.sin(self.roll)]
+        return np.arctan2(down @ along, right @ along)
 
     def separations(self, angles) -> np.ndarray:
         """(M, M) chords between all pairs of the (M,) ring angles [mm]."""
@@ -194,8 +255,19 @@ class Poses(NamedTuple):
     """(M,) from the focus [mm]."""
 
 
-def poses(ring: Ring, angles) -> Poses:
-    """Poses of `ring.cameras`, for (M,) ring angles [rad]."""
+def poses(ring: Ring, angles, rolls: ArrayLike | None = None) -> Poses:
+    """Poses of `ring.cameras`, for (M,) ring angles and rolls [rad]."""
+    radial = _radial_poses(ring, angles)
+    if rolls is None and ring.roll in ("radial", "free"):
+        return radial
+    turns = ring.rolls(angles) if rolls is None else _checked_rolls(rolls, len(radial.positions))
+    right, down, look = np.moveaxis(radial.rotations, 1, 0)
+    cosine, sine = np.cos(turns)[:, None], np.sin(turns)[:, None]
+    turned = np.stack([cosine * right + sine * down, cosine * down - sine * right, look], axis=1) + 0.0
+    return radial._replace(rotations=turned)
+
+
+def _radial_poses(ring: Ring, angles) -> Poses:
     focus, positions = np.array(ring.focus), ring.positions(angles)
     distance_squared = ring.working_distance**2 + (ring.diameter / 2) ** 2
     apex = focus + ring.frame[:, 2] * (distance_squared / ring.working_distance)
@@ -203,13 +275,30 @@ def poses(ring: Ring, angles) -> Poses:
 
 
 def _checked_phase(phase) -> float:
+    return _angle("phase", phase, "a number")
+
+
+def _angle(name: str, value, needed: str) -> float:
     try:
-        number = float(phase)
+        number = float(value)
     except (TypeError, ValueError, OverflowError) as error:
-        raise ExactError(f"phase is {phase!r}; it must be a number [rad]") from error
+        raise ExactError(f"{name} is {value!r}; it must be {needed} [rad]") from error
     if not abs(number) <= LARGEST_ANGLE:  # written so that nan is refused
-        raise ExactError(f"phase is {number:g}; it must be from {-LARGEST_ANGLE:g} to {LARGEST_ANGLE:g} [rad]")
+        raise ExactError(f"{name} is {number:g}; it must be from {-LARGEST_ANGLE:g} to {LARGEST_ANGLE:g} [rad]")
     return number
+
+
+def _checked_rolls(rolls, n_cameras: int) -> np.ndarray:
+    try:
+        turns = np.asarray(rolls, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise ExactError(f"rolls are {rolls!r}; they must be {n_cameras} numbers, one for each camera [rad]") from error
+    if turns.shape != (n_cameras,) or not (np.abs(turns) <= LARGEST_ANGLE).all():
+        raise ExactError(
+            f"rolls are {np.array2string(turns, threshold=8)}; they must be {n_cameras} numbers, one for each camera, "
+            f"from {-LARGEST_ANGLE:g} to {LARGEST_ANGLE:g} [rad]"
+        )
+    return turns
 
 
 def _checked_angles(angles) -> np.ndarray:

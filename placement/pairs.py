@@ -8,7 +8,8 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 import exact
-from placement.samples.sampled_coverage import SampledCoverage, variances_of
+from placement.samples.sampled_coverage import SampledCoverage
+from placement.samples.viewed_samples import variances_of
 
 # Pairs are listed until the rest of them would add less than this part of the area.
 ENOUGH = 1e-3

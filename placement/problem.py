@@ -8,7 +8,7 @@ import numpy as np
 import exact
 from exact.requests import checked_demand, demand_keywords, refuse_unknown, shows
 from exact.workers import available_cores
-from placement.errors import refusing
+from placement.errors import PlacementError, refusing
 from placement.layouts.arcs import LayoutSpace
 from placement.layouts.constraints import Constraints, checked_seed, demanded, on_ring
 from placement.progress import Progress, nothing
@@ -16,10 +16,12 @@ from placement.proof.certificate import Certificate
 from placement.recommend import Recommendation, recommend, refuse_target
 from placement.results import Placement
 from placement.samples.profiles import RingProfiles
-from placement.samples.sampled_coverage import SampledCoverage, refuse_unmet
-from placement.samples.sampled_site import sample_site
-from placement.search.proposal import GIVE_UP, bound, propose
+from placement.samples.sampled_coverage import SampledCoverage
+from placement.samples.sampled_site import SampledSite, sample_site
+from placement.samples.viewed_samples import refuse_unmet
+from placement.search.proposal import GIVE_UP, bound
 from placement.search.ring_maximum import Memory, RingMaximum
+from placement.search.rolled_proposal import propose_layout
 from placement.search.scoring import ExactScorer
 from placement.settings import Settings
 from placement.sites import Objective, Sites, Surfaces, checked_sites, scene_keywords
@@ -117,6 +119,7 @@ class Problem:
             report("tracing ring profiles", number, n_sites)
             parts.append(sample_site(site.scene, ring, self.demand, self.settings, seed, few))
         report("tracing ring profiles", n_sites, n_sites)
+        self.sampled: tuple[SampledSite, ...] = tuple(parts)
         self.profiles: RingProfiles = _joined(parts, self.sites)
 
     def demanded(self, constraints: Constraints, n_cameras: int | None = None) -> exact.Demand:
@@ -172,7 +175,7 @@ class Problem:
         >>> [len(problem.optimise(n, certify=False).angles) for n in (2, 3)]
         [2, 3]
         """
-        return propose(self, self._met(n_cameras, constraints), certify, progress, give_up, starts=starts)
+        return propose_layout(self, self._met(n_cameras, constraints), certify, progress, give_up, starts=starts)
 
     def tradeoff(
         self,
@@ -183,10 +186,12 @@ class Problem:
         progress: Progress | None = None,
     ) -> TradeOff:
         """Find what accuracy costs in area; as `placement.tradeoff`."""
+        self._refuse_free_rolls("what accuracy costs")
         return trade(self, self._met(n_cameras, constraints), certify, progress)
 
     def certify(self, n_cameras: int = 4, constraints: Constraints | None = None, *, layout=None) -> Certificate:
         """Bound what any layout of `n_cameras` cameras can reconstruct; as `placement.certify`."""
+        self._refuse_free_rolls("a bound")
         return bound(self, self._space(n_cameras, constraints), layout)
 
     def count(
@@ -208,6 +213,13 @@ class Problem:
         space = self._space(n_cameras, constraints)
         refuse_unmet(self.profiles, self.demand, self.ring, space.n_cameras)
         return space
+
+    def _refuse_free_rolls(self, what: str) -> None:
+        if self.ring.roll == "free":
+            raise PlacementError(
+                f'{what} is known for given rolls only, and those of this ring are free; ask with roll="radial", '
+                '"tangential" or a number'
+            )
 
     def _space(self, n_cameras: int, constraints: Constraints | None) -> LayoutSpace:
         return LayoutSpace(self.ring, n_cameras, Constraints() if constraints is None else constraints)

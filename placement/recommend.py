@@ -14,7 +14,7 @@ from placement.layouts.constraints import Constraints
 from placement.progress import Progress, numbered
 from placement.proof.certificate import at_most
 from placement.results import Placement
-from placement.search.proposal import propose
+from placement.search.rolled_proposal import propose_layout
 
 if TYPE_CHECKING:
     from placement.problem import Problem
@@ -129,7 +129,7 @@ def recommend(
         if refusal is None:
             try:
                 space = LayoutSpace(problem.ring, n, constraints)
-                found = propose(problem, space, certify, numbered(progress, n), target=target, starts=starts)
+                found = propose_layout(problem, space, certify, numbered(progress, n), target=target, starts=starts)
                 starts = tuple(dict.fromkeys((found.most_area.angles, found.angles)))
             except PlacementError as error:  # as many do not fit, nor do more
                 refusal = error

@@ -36,6 +36,9 @@ class Candidate:
         Exact fraction of the ring maximum, over all sites as their objective says.
     areas : (S,) tuple of float
         Exact reconstructable area of each site [mm²].
+    rolls : tuple of float or None
+        Of the cameras [rad], as `exact.Ring.cameras` takes them, where they were free; else None. `soft_coverage` is
+        then `sampled_fraction`, as rolls are searched for on the samples themselves.
     """
 
     angles: tuple[float, ...]
@@ -44,6 +47,7 @@ class Candidate:
     sampled_fraction: float
     fraction: float
     areas: tuple[float, ...]
+    rolls: tuple[float, ...] | None = None
 
     @property
     def area(self) -> float:
@@ -147,6 +151,9 @@ class Placement:
     ring, n_cameras, demand, give_up, constraints, starts, settings, seed, versions
         The request and the libraries: all that is needed to repeat it, with the meshes of `sites`. `demand` is what
         made a point count, with the baseline that the constraints ask for.
+    rolls : (M,) tuple of float or None
+        Of the layout proposed [rad], as `exact.Ring.cameras` takes them, where they were free; None where they are the
+        ring's.
     """
 
     angles: tuple[float, ...]
@@ -172,6 +179,7 @@ class Placement:
     settings: Settings
     seed: int
     versions: dict[str, str]
+    rolls: tuple[float, ...] | None = None
 
     @property
     def threshold(self) -> int:

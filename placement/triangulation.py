@@ -11,9 +11,9 @@ import exact
 from exact.requests import ASKED, checked, shows
 from placement.errors import refusing
 from placement.samples.profiles import Visibility
-from placement.samples.sampled_coverage import samples_met
 from placement.samples.sampled_site import faces_towards, in_view, noise_of
 from placement.samples.sampling import sample_surface
+from placement.samples.viewed_samples import samples_met
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,6 +76,7 @@ def triangulation(
     ring: exact.Ring,
     angles,
     *,
+    rolls=None,
     n_samples: int = 20_000,
     seed: int = 0,
     **asked: Any,
@@ -90,6 +91,8 @@ def triangulation(
         The ring.
     angles : (M,) array_like
         Ring angles [rad].
+    rolls : (M,) array_like, optional
+        Of the cameras [rad], as `exact.Ring.cameras` takes them.
     n_samples : int
         Sample points where the ring may see the surface.
     seed : int
@@ -124,7 +127,7 @@ def triangulation(
         return nothing
     visibility = Visibility(scene.everything, demand)
     samples = samples.subset(visibility.lit(samples, scene.lights))
-    seen = visibility.from_angles(samples, ring, theta)
+    seen = visibility.from_angles(samples, ring, theta, rolls)
     reconstructed = samples_met(seen, theta, demand, ring, noise_of(samples, ring, demand))
     if scene.weights is not None:
         samples = replace(samples, weights=samples.weights * scene.weights[samples.faces])

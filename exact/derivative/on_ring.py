@@ -17,8 +17,9 @@ ON_RING = 1e-9
 class RingDerivative:
     """How an area changes with each of M cameras of a ring.
 
-    They go on looking at the focus, where their field of view stays as large. Of radius and height of the whole ring,
-    it is the sum over the cameras.
+    They go on looking at the focus, where their field of view stays as large, and keep their rolls; of a ring whose
+    rolls are one direction in space, that direction. Of radius and height of the whole ring, it is the sum over the
+    cameras.
 
     Attributes
     ----------
@@ -68,6 +69,8 @@ def on_ring(
 
     def along(moved: np.ndarray, turned: np.ndarray, farther: float) -> np.ndarray:
         """By a motion (M, 3) [mm] and a turn (M, 3) [rad], while the focus gets so much farther away [mm]."""
+        if not isinstance(ring.roll, str):
+            turned = _keeping(ring, ring.roll, look, -(moved + farther * look) / distance)
         narrower = half_extent * extent * (farther / distance)
         return (position * moved + rotation * turned).sum(axis=1) - narrower.sum(axis=1) + target_distance * farther
 
@@ -77,5 +80,17 @@ def on_ring(
         along(radius * tangent, upwards, 0.0),
         along(outwards, height * turns, radius / distance),
         along(upwards, -radius * turns, height / distance),
-        along(np.zeros_like(look), look, 0.0),
+        (rotation * look).sum(axis=1),
     )
+
+
+def _keeping(ring: Ring, roll: float, look: np.ndarray, swung: np.ndarray) -> np.ndarray:
+    """(M, 3) turns that swing looks (M, 3) by `swung`, across them, while images stay along the direction `roll`.
+
+    Right is the part p of that direction d across the look l, of unit length. It changes by -(l·d) dl + .. l, of which
+    the part along down, l x p / |p|, is a turn about the look.
+    """
+    along = ring.frame[:, :2] @ [np.cos(roll), np.sin(roll)]
+    sideways = np.cross(look, along)
+    about = -(look @ along) * (sideways * swung).sum(axis=1) / (sideways**2).sum(axis=1)
+    return np.cross(look, swung) + about[:, None] * look

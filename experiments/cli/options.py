@@ -67,7 +67,7 @@ Force = Annotated[bool, typer.Option("--force", help="replace results that are a
 
 Given = dict[str, Any]
 # Settings that several subcommands take, by the names of their keys, and of classes for all their fields.
-RING = ("fov", "diameter", "working_distance", "focus", "axis", "zero_towards", "place")
+RING = ("fov", "diameter", "working_distance", "focus", "axis", "zero_towards", "roll", "roll_deg", "place")
 MESH = ("exclude", "repair", "two_sided", "scale", "obstacle", "light")
 REQUEST = (
     "Demand", "Constraints", *RING, "exclude", "objective", "site_weights", "falloff_mm", "jitter", "tilt_deg",

@@ -60,6 +60,8 @@ class Design:
     fixed: tuple[bool, ...]
 
     def __post_init__(self):
+        if self.ring.roll == "free":
+            raise InputError("the designer turns sensors as the ring says; give them --roll radial or tangential")
         if len(self.angles) > MOST_CAMERAS:
             raise InputError(f"there are {len(self.angles)} cameras; the designer takes at most {MOST_CAMERAS}")
         broken = self.limits.violations(self.ring, self.angles)
@@ -163,6 +165,11 @@ class Design:
     @staticmethod
     def from_layout(made: layout_file.LayoutFile, otherwise: placement.Constraints) -> "Design":
         """The design of a layout file, under constraints of its own or, where it has none, of `otherwise`."""
+        if made.rolls is not None:
+            raise InputError(
+                f"{made.path} gives each camera a roll of its own, which the designer does not know; leave "
+                "rolls_deg and rolls_rad out of it"
+            )
         kept = made.content.get("constraints") or {}
         known = asdict(otherwise) | {"fixed": (), "min_baseline": 0.0, "min_angle": 0.0} | kept
         constraints = layout_file.constraints_of(known)

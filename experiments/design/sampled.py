@@ -6,9 +6,9 @@ import exact
 from experiments.design.design import Design
 from placement.errors import PlacementError
 from placement.samples.profiles import Visibility
-from placement.samples.sampled_coverage import samples_met
 from placement.samples.sampled_site import faces_towards, in_view, noise_of
 from placement.samples.sampling import SurfaceSamples, sample_surface
+from placement.samples.viewed_samples import samples_met
 
 N_SAMPLES = 6000
 # Views that are kept: of the cameras at hand, and of some places they were at.

@@ -26,7 +26,7 @@ from experiments.report import page
 from experiments.request import layout_file
 from experiments.request.request import Request
 from placement.layouts.arcs import LayoutSpace
-from placement.search.polish import polish
+from placement.search.steps import polish_by_steps
 from placement.search.ring_maximum import RingMaximum
 from placement.search.scoring import ExactScorer
 from placement.sites import checked_sites
@@ -45,7 +45,7 @@ def improve(asked: Request, design: Design, tell: Tell) -> Design:
     for number, step in enumerate(STEPS):
         for _ in range(MOST_SWEEPS):
             tell("progress", (f"steps of {np.degrees(step):g}°", number, len(STEPS)))
-            moved, _ = polish(scorer, space, theta, (float(step),), 1)
+            moved, _ = polish_by_steps(scorer, space, theta, (float(step),), 1)
             if (moved == theta).all():
                 break
             theta = moved

@@ -60,7 +60,10 @@ class NamedCamera:
 
 
 def named_cameras(
-    ring: exact.Ring, angles: np.ndarray, resolution: tuple[int, int] | None = None
+    ring: exact.Ring,
+    angles: np.ndarray,
+    resolution: tuple[int, int] | None = None,
+    rolls: np.ndarray | None = None,
 ) -> tuple[NamedCamera, ...]:
     """Name the cameras at these (M,) ring angles [rad] and give them an image size.
 
@@ -68,6 +71,8 @@ def named_cameras(
     ----------
     resolution : (int, int), optional
         Width and height [pixels]; without it the longer side has 3600 and pixels are square, to rounding.
+    rolls : (M,) ndarray, optional
+        Of the cameras [rad], as `exact.Ring.cameras` takes them.
 
     Examples
     --------
@@ -83,7 +88,7 @@ def named_cameras(
     digits = max(2, len(str(len(angles))))
     return tuple(
         NamedCamera(f"camera_{number:0{digits}d}", float(angle), replace(camera, resolution=pixels))
-        for number, (angle, camera) in enumerate(zip(angles, ring.cameras(angles), strict=True), start=1)
+        for number, (angle, camera) in enumerate(zip(angles, ring.cameras(angles, rolls), strict=True), start=1)
     )
 
 

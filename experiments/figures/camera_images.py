@@ -27,6 +27,7 @@ def write_camera_images(
     ring: exact.Ring,
     angles: np.ndarray,
     report: Callable[[int], object] = lambda steps: None,
+    rolls: np.ndarray | None = None,
 ) -> list[str]:
     """Draw the image of each camera of a layout.
 
@@ -42,23 +43,26 @@ def write_camera_images(
         Ring angles [rad].
     report : callable
         Called with 1 after each image.
+    rolls : (M,) ndarray, optional
+        Of the cameras [rad], as `exact.Ring.cameras` takes them.
 
     Returns
     -------
     list of str
         Names of the files.
     """
-    names = image_names(len(angles))
-    for number, (file, angle, camera) in enumerate(zip(names, angles, ring.cameras(angles), strict=True), start=1):
+    names, cameras = image_names(len(angles)), ring.cameras(angles, rolls)
+    is_radial = rolls is None and ring.roll == "radial"
+    for number, (file, angle, camera) in enumerate(zip(names, angles, cameras, strict=True), start=1):
         seen = exact.view(mesh, camera)
         title = f"{name}: camera {number} of {len(angles)}, ring angle {np.degrees(angle) % 360:.1f}°"
         with written_whole(folder / file) as temporary:
-            _drawn(seen, mesh, f"{title}\nsees {seen.area:.1f} mm²").savefig(temporary)
+            _drawn(seen, mesh, f"{title}\nsees {seen.area:.1f} mm²", is_radial).savefig(temporary)
         report(1)
     return names
 
 
-def _drawn(seen: exact.View, mesh: trimesh.Trimesh, title: str) -> Figure:
+def _drawn(seen: exact.View, mesh: trimesh.Trimesh, title: str, is_radial: bool) -> Figure:
     width, height = seen.camera.fov
     figure = Figure(figsize=(9.0, 1.9 + 8.0 * height / width), dpi=110, layout="constrained")
     ax = figure.subplots()
@@ -70,7 +74,8 @@ def _drawn(seen: exact.View, mesh: trimesh.Trimesh, title: str) -> Figure:
         ax.collections[-1].set(edgecolor=EDGE_COLOUR, linewidth=0.2)
     ax.add_patch(Rectangle((-width / 2, -height / 2), width, height, fill=False, edgecolor="black", linewidth=1.2))
     ax.set(xlim=(-0.52 * width, 0.52 * width), ylim=(-0.52 * height, 0.52 * height), aspect="equal")
-    ax.set(xlabel="right of the optical axis, along the ring [mm]", ylabel="above the optical axis, inwards [mm]")
+    along, inwards = (", along the ring", ", inwards") if is_radial else ("", "")
+    ax.set(xlabel=f"right of the optical axis{along} [mm]", ylabel=f"above the optical axis{inwards} [mm]")
     ax.set_title(figure_text(title), fontsize=12)
     legend = ((WHOLE_COLOUR, "face seen whole"), (CLIPPED_COLOUR, "face seen in part: what is seen of it"))
     handles = [Patch(facecolor=colour, edgecolor=EDGE_COLOUR, label=label) for colour, label in legend]

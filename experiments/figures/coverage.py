@@ -21,11 +21,12 @@ MOST_SHADES = 8
 
 @dataclass(frozen=True, eq=False)
 class Panel:
-    """One layout to show: what it is called, its ring angles [rad], a line about its area."""
+    """One layout to show: what it is called, its ring angles [rad], a line about its area, rolls of its own [rad]."""
 
     title: str
     angles: np.ndarray
     caption: str
+    rolls: np.ndarray | None = None
 
 
 def display_camera(mesh: trimesh.Trimesh, ring: exact.Ring, faces: np.ndarray) -> exact.Camera:
@@ -46,7 +47,7 @@ def write_coverage(
     palette = colours(shades, demand.threshold)
     reconstructions = []
     for panel in panels:
-        cameras = ring.cameras(panel.angles)
+        cameras = ring.cameras(panel.angles, panel.rolls)
         # As many views as are told apart, not only as many as it takes.
         told_apart = replace(demand, threshold=min(shades, len(cameras)))
         reconstructions.append(exact.evaluate(scene, cameras, demand=told_apart))
@@ -94,6 +95,17 @@ def _legend(palette, shades: int, demand: exact.Demand, most: int, shown: set[in
     return handles
 
 
+def _add_sensors(ax: Axes, ring: exact.Ring, panel: Panel) -> None:
+    """A line along the width of each image, unless they are all along the ring."""
+    if panel.rolls is None and ring.roll == "radial":
+        return
+    for number, camera in enumerate(ring.cameras(panel.angles, panel.rolls)):
+        x, y, _ = (camera.position - np.array(ring.focus)) @ ring.frame
+        dx, dy, _ = 0.16 * ring.diameter / 2 * camera.rotation[0] @ ring.frame
+        label = "_nolegend_" if number else "width of the image"
+        ax.plot([x - dx, x + dx], [y - dy, y + dy], color="#1f5fa8", linewidth=2.2, label=label)
+
+
 def _ring_from_above(ax, ring: exact.Ring, panels: Sequence[Panel]) -> None:
     radius = ring.diameter / 2
     ax.add_patch(Circle((0, 0), radius, fill=False, color="0.6", linewidth=1.2))
@@ -110,6 +122,7 @@ def _ring_from_above(ax, ring: exact.Ring, panels: Sequence[Panel]) -> None:
                 f"{np.degrees(angle):.1f}°", 1.22 * radius * np.array([np.cos(angle), np.sin(angle)]),
                 ha="center", va="center", fontsize=10, color="#1f5fa8",
             )  # fmt: skip
+    _add_sensors(ax, ring, panels[-1])
     limit = 1.45 * radius
     ax.set(xlim=(-limit, limit), ylim=(-limit, limit), aspect="equal", xlabel="x [mm]", ylabel="y [mm]")
     ax.set_title(f"camera positions on the ring\n(diameter {ring.diameter:g} mm, from above)", fontsize=12)

@@ -34,9 +34,16 @@ def on_ring(angle: float, radius: float = RADIUS) -> tuple[float, float]:
 
 
 def ring_drawing(
-    ring: exact.Ring, angles: np.ndarray, fixed: Sequence[float], forbidden: Sequence[tuple[float, float]]
+    ring: exact.Ring,
+    angles: np.ndarray,
+    fixed: Sequence[float],
+    forbidden: Sequence[tuple[float, float]],
+    rolls: np.ndarray | None = None,
 ) -> dict:
-    """The ring from above: cameras, separations of neighbours, forbidden arcs, equidistant cameras; angles in [rad]."""
+    """The ring from above: cameras, separations of neighbours, forbidden arcs, equidistant cameras; angles in [rad].
+
+    And along what the width of each image lies, unless it is along the ring for all.
+    """
     theta = np.asarray(angles)
     separations = ring.separations(theta)
     labelled = len(theta) <= MOST_LABELS
@@ -72,7 +79,17 @@ def ring_drawing(
         "equidistant": [on_ring(angle) for angle in ring.equidistant(len(theta))],
         "forbidden": [_arc(start, end) for start, end in forbidden],
         "has_fixed": bool(len(fixed)),
+        "widths": [] if rolls is None and ring.roll == "radial" else _widths(ring, theta, rolls),
     }
+
+
+def _widths(ring: exact.Ring, angles: np.ndarray, rolls: np.ndarray | None) -> list[tuple[float, float, float, float]]:
+    """Ends of a line through each camera along the width of its image."""
+    found = []
+    for angle, camera in zip(angles.tolist(), ring.cameras(angles, rolls), strict=True):
+        (x, y), (dx, dy, _) = on_ring(angle), 24 * camera.rotation[0] @ ring.frame
+        found.append((round(x - dx, 2), round(y + dy, 2), round(x + dx, 2), round(y - dy, 2)))
+    return found
 
 
 def _beside(angle: float) -> tuple[float, float]:

@@ -71,7 +71,7 @@ def page(made: LayoutFile, shown: exact.Scene, folder: Path) -> str:
     content = made.content
     single = len(content["meshes"]) == 1 and content["poses"] is None
     ring_area = content["meshes"][0]["areas_of_poses_mm2"][0]["ring_maximum"] if content["falloff_mm"] is None else None
-    drawn = drawn_surface(shown, made.ring, made.angles, made.demand, ring_area)
+    drawn = drawn_surface(shown, made.ring, made.angles, made.demand, ring_area, made.rolls)
     layouts, angles = _layouts(made, shown)
     limits = content["constraints"]
     # Everything that is put into the page is escaped; what is packed is base64, which has nothing to escape.
@@ -88,8 +88,9 @@ def page(made: LayoutFile, shown: exact.Scene, folder: Path) -> str:
         gain=content["fractions_of_ring_maximum"]["optimised"] - content["fractions_of_ring_maximum"]["equidistant"],
         asked=report_words.asked(made),
         layouts=layouts,
-        ring=ring_drawing(made.ring, made.angles, limits["fixed"], limits["forbidden"]),
+        ring=ring_drawing(made.ring, made.angles, limits["fixed"], limits["forbidden"], made.rolls),
         cameras=_cameras(made, drawn),
+        is_rolled=made.rolls is not None or made.ring.roll != "radial",
         scene={
             "n_vertices": len(drawn.vertices),
             "n_triangles": len(drawn.triangles),
@@ -100,6 +101,7 @@ def page(made: LayoutFile, shown: exact.Scene, folder: Path) -> str:
                 {
                     "name": one.name,
                     "caption": one.caption,
+                    "fields": np.round(drawn.fields[one.cameras], 3).tolist(),
                     "shades": [
                         {"words": s.label + ("" if s.area is None else f": {s.area:.2f} mm²"), "colour": s.colour}
                         for s in one.shades
@@ -129,21 +131,28 @@ def _layouts(made: LayoutFile, shown: exact.Scene) -> tuple[list[dict[str, Any]]
     """Rows of the table of layouts; for the histogram, names, best angles [degrees] and weights of two of them."""
     content, n = made.content, len(made.angles)
     phase, most = np.radians(content["best_equidistant_phase_deg"]), content.get("most_area")
-    other = None if most is None or most["angles_rad"] == made.angles.tolist() else most
+    rolls = None if made.rolls is None else made.rolls.tolist()
+    is_same = most is not None and (most["angles_rad"], most.get("rolls_rad")) == (made.angles.tolist(), rolls)
+    other = None if is_same else most
     kinds = (
-        ("equidistant", "equidistant", made.ring.equidistant(n)),
-        ("best_equidistant", f"equidistant, best phase ({np.degrees(phase):.1f}°)", made.ring.equidistant(n, phase)),
-        *([("most_area", "most area", np.array(other["angles_rad"]))] if other else []),
-        ("optimised", "optimised", made.angles),
-    )
+        ("equidistant", "equidistant", made.ring.equidistant(n), None),
+        (
+            "best_equidistant", f"equidistant, best phase ({np.degrees(phase):.1f}°)", made.ring.equidistant(n, phase),
+            None,
+        ),
+        *([("most_area", "most area", np.array(other["angles_rad"]), other.get("rolls_rad"))] if other else []),
+        ("optimised", "optimised", made.angles, made.rolls),
+    )  # fmt: skip
     rows, spreads = [], []
     areas, fractions = content["areas_mm2"], content["fractions_of_ring_maximum"]
     if other:
         areas = areas | {"most_area": other["area_mm2"]}
         fractions = fractions | {"most_area": other["fraction_of_ring_maximum"]}
     limits, errors = constraints_of(content["constraints"]), content.get("rms_errors_mm", {})
-    for kind, name, angles in kinds:
-        spread = placement.triangulation(shown, made.ring, angles, demand=made.demand, n_samples=ANGLE_SAMPLES)
+    for kind, name, angles, rolls in kinds:
+        spread = placement.triangulation(
+            shown, made.ring, angles, rolls=rolls, demand=made.demand, n_samples=ANGLE_SAMPLES
+        )
         rows.append(
             {
                 "name": name,
@@ -170,10 +179,12 @@ def _cameras(made: LayoutFile, drawn: DrawnSurface) -> list[dict[str, Any]]:
     agreed = found["distances_in_best_layouts_deg"] if found else left
     positions = made.ring.positions(made.angles)
     mounted = made.content.get("mounting") or [None] * len(made.angles)
+    rolls = made.ring.rolls(made.angles) if made.rolls is None else made.rolls
     return [
         {
             "number": number,
             "degrees": float(np.degrees(made.angles[number - 1])),
+            "roll": float(np.degrees(rolls[number - 1])),
             "position": tuple(positions[number - 1].tolist()),
             "area": float(drawn.camera_areas[number - 1]),
             "without": left[number - 1],

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+import exact
 import placement
 from experiments.request.layout_file import LayoutFile
 from experiments.request.options import PARTS, keys, sections
@@ -50,6 +51,8 @@ def asked(made: LayoutFile) -> list[tuple[str, str]]:
         rows.append(("ring's axis", _vector(ring.axis)))
     if ring.zero_towards is not None:
         rows.append(("ring angle 0 lies towards", _vector(ring.zero_towards)))
+    if ring.roll != "radial":
+        rows.append(("sensors", roll_words(ring)))
     if limits["fixed"]:
         rows.append(("fixed cameras", ", ".join(f"{angle:g}°" for angle in _degrees(limits["fixed"]))))
     if limits["forbidden"]:
@@ -67,6 +70,19 @@ def asked(made: LayoutFile) -> list[tuple[str, str]]:
     if content["falloff_mm"] is not None:
         rows.append(("weight of a face", f"half at {content['falloff_mm']:g} mm from the focus, 1/16 at twice as far"))
     return rows
+
+
+def roll_words(ring: exact.Ring) -> str:
+    """How the sensors of a ring are turned about their optical axes.
+
+    Examples
+    --------
+    >>> roll_words(exact.Ring(roll="tangential")), roll_words(exact.Ring(roll=np.pi / 6))
+    ('tangential', 'the width of every image along ring angle 30°')
+    """
+    if isinstance(ring.roll, str):
+        return ring.roll
+    return f"the width of every image along ring angle {_degrees([ring.roll])[0]:g}°"
 
 
 def command(made: LayoutFile) -> str:
@@ -92,6 +108,7 @@ def rig(made: LayoutFile) -> str:
         "focus": ring.focus,
         "axis": ring.axis,
         "zero_towards": ring.zero_towards,
+        **({"roll": ring.roll} if isinstance(ring.roll, str) else {"roll_deg": _degrees([ring.roll])[0]}),
         "count": content["n_cameras"],
         **_demanded(made),
         "give_up": content.get("give_up", 0.0),

@@ -5,6 +5,7 @@ One geometry serves all: a colouring is one byte for each of its triangles.
 
 import base64
 import gzip
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,6 +19,8 @@ MOST_SHADES = 8
 STEPS = 65535
 # Room around what is seen, in parts of its greatest extent.
 MARGIN = 0.06
+# Rays that fall less than this, of what they go along the optical axis, do not meet the level of the surface.
+SHALLOWEST = 1e-3
 BOTH_COLOUR, GAINED_COLOUR, LOST_COLOUR = "#b9d3e6", "#1a7f5a", "#c65b1c"
 SEEN_COLOUR, MISSED_COLOUR = "#4d9ac4", "#a9a39a"
 
@@ -46,12 +49,15 @@ class Colouring:
     shades : tuple of Shade
     shade : (N,) ndarray of uint8
         Index into `shades` for each triangle.
+    cameras : (B,) ndarray of int
+        Whose fields of view are shown with it.
     """
 
     name: str
     caption: str
     shades: tuple[Shade, ...]
     shade: np.ndarray
+    cameras: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,6 +79,9 @@ class DrawnSurface:
         The equidistant layout, the optimised one, their difference, then each camera of the optimised one.
     camera_areas : (M,) ndarray
         What each camera of the optimised layout sees [mm²].
+    fields : (2 M, 4, 3) ndarray
+        Corners of the field of view of each camera, of the equidistant layout first, at the level of the highest point
+        that is seen [mm].
     """
 
     vertices: np.ndarray
@@ -82,6 +91,7 @@ class DrawnSurface:
     frame: np.ndarray | None
     colourings: tuple[Colouring, ...]
     camera_areas: np.ndarray
+    fields: np.ndarray
 
     def packed(self) -> str:
         """Triangles, vertices and the shades of every colouring, little-endian, gzip, base64."""
@@ -106,6 +116,7 @@ def drawn_surface(
     angles: np.ndarray,
     demand: exact.Demand,
     ring_area: float | None = None,
+    rolls: np.ndarray | None = None,
 ) -> DrawnSurface:
     """A layout on a mesh beside the equidistant one.
 
@@ -119,6 +130,8 @@ def drawn_surface(
         What makes a point count.
     ring_area : float, optional
         Ring maximum, to tell fractions of it [mm²].
+    rolls : (M,) ndarray, optional
+        Of the cameras [rad], as `exact.Ring.cameras` takes them.
 
     Examples
     --------
@@ -130,8 +143,8 @@ def drawn_surface(
     """
     n = len(angles)
     even, best = np.arange(2 * n) < n, np.arange(2 * n) >= n
-    both = np.concatenate([ring.equidistant(n), angles])
-    sets = exact.view_sets(scene, ring.cameras(both), demand=demand)
+    cameras = (*ring.cameras(ring.equidistant(n)), *ring.cameras(angles, rolls))
+    sets = exact.view_sets(scene, cameras, demand=demand)
     met_even, met_best = sets.met(demand=demand, cameras=even), sets.met(demand=demand, cameras=best)
     vertices, triangles, of, nowhere, origin, step = _geometry(scene, sets)
     areas = np.concatenate([sets.areas, nowhere])
@@ -139,7 +152,9 @@ def drawn_surface(
     never = np.zeros(2, dtype=bool)
     met_even, met_best = np.concatenate([met_even, never]), np.concatenate([met_best, never])
 
-    def colouring(name: str, caption: str, kind: np.ndarray, table: list[tuple[str, str]], unseen: int) -> Colouring:
+    def colouring(
+        name: str, caption: str, kind: np.ndarray, table: list[tuple[str, str]], unseen: int, of_cameras: np.ndarray
+    ) -> Colouring:
         """`kind` (S + 2,) is the row of `table` for each set, the last set what does not count.
 
         Of the row `unseen` no area is told.
@@ -153,7 +168,8 @@ def drawn_surface(
         for row in used.tolist():
             told = row not in (unseen, len(table))
             shades.append(Shade(rows[row][0], rows[row][1], float(area[row]) if told else None))
-        return Colouring(name, caption, tuple(shades), np.searchsorted(used, kind)[of].astype(np.uint8))
+        shade = np.searchsorted(used, kind)[of].astype(np.uint8)
+        return Colouring(name, caption, tuple(shades), shade, of_cameras)
 
     def views(name: str, cameras: np.ndarray, met: np.ndarray) -> Colouring:
         threshold = demand.threshold
@@ -165,7 +181,7 @@ def drawn_surface(
         kind = np.where((count >= threshold) & ~met, shades + 1, count)
         area = float(areas[met].sum())
         part = f", {100 * area / ring_area:.2f} % of the ring maximum" if ring_area else ""
-        return colouring(name, f"{name}: {area:.2f} mm² reconstructable{part}", kind, table, unseen=0)
+        return colouring(name, f"{name}: {area:.2f} mm² reconstructable{part}", kind, table, 0, np.flatnonzero(cameras))
 
     gained, lost = float(areas[met_best & ~met_even].sum()), float(areas[met_even & ~met_best].sum())
     difference = colouring(
@@ -176,7 +192,8 @@ def drawn_surface(
             ("reconstructable with both", BOTH_COLOUR), ("with the optimised layout only", GAINED_COLOUR),
             ("with the equidistant one only", LOST_COLOUR), ("with neither", UNSEEN_COLOUR),
         ],
-        unseen=3,
+        3,
+        np.flatnonzero(best),
     )  # fmt: skip
     camera_areas = areas @ seen[:, n:]
     single = [
@@ -185,7 +202,8 @@ def drawn_surface(
             f"Camera {number} at {np.degrees(angle):.1f}° sees {camera_areas[number - 1]:.2f} mm².",
             np.where(seen[:, n + number - 1], 1, 0),
             [("not seen by this camera", MISSED_COLOUR), ("seen by this camera", SEEN_COLOUR)],
-            unseen=0,
+            0,
+            np.array([n + number - 1]),
         )
         for number, angle in enumerate(angles, start=1)
     ]
@@ -195,7 +213,22 @@ def drawn_surface(
     if len(shown):
         box = origin[:, None] + step * np.stack([shown.min(axis=0), shown.max(axis=0)], axis=1)
         frame = box + MARGIN * np.ptp(box, axis=1).max() * np.array([-1.0, 1.0])
-    return DrawnSurface(vertices, triangles, origin, step, frame, (*layouts, difference, *single), camera_areas)
+    highest = (shown * step + origin) @ ring.frame[:, 2] if len(shown) else np.zeros(1)
+    return DrawnSurface(
+        vertices, triangles, origin, step, frame, (*layouts, difference, *single), camera_areas,
+        _fields(cameras, ring.frame[:, 2], float(highest.max())),
+    )  # fmt: skip
+
+
+def _fields(cameras: Sequence[exact.Camera], axis: np.ndarray, level: float) -> np.ndarray:
+    """(M, 4, 3) corners of the fields of view of cameras on the plane of the points X with axis · X = level [mm]."""
+    signs = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
+    found = []
+    for camera in cameras:
+        rays = np.column_stack([signs * camera.half_extent, np.ones(4)]) @ camera.rotation
+        down = np.minimum(rays @ axis, -SHALLOWEST)
+        found.append(camera.position + rays * ((level - camera.position @ axis) / down)[:, None])
+    return np.array(found)
 
 
 def _geometry(scene: exact.Scene, sets: exact.ViewSets):

@@ -31,6 +31,7 @@ RING = {field.name: f"{field.name}_mm" if "[mm]" in field.words else field.name 
 # All that any command has written into a layout file; another field is a slip of whoever edited it.
 FIELDS = (
     "format", "version", "ring", "n_cameras", "threshold", "demand", "angles_deg", "angles_rad",
+    "rolls_deg", "rolls_rad",
     "best_equidistant_phase_deg", "areas_mm2", "fractions_of_ring_maximum", "rms_errors_mm", "give_up", "most_area",
     "obstacles", "lights", "smallest_separation_mm", "mesh", "meshes",
     "objective", "poses",
@@ -43,11 +44,15 @@ SAME_ANGLE = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class LayoutFile:
-    """What is read back from a layout file; `demand` has the baseline of its constraints, `content` is all of it."""
+    """What is read back from a layout file; `demand` has the baseline of its constraints, `content` is all of it.
+
+    `rolls` are those of the cameras (M,) [rad], as `exact.Ring.cameras` takes them; None if they are the ring's.
+    """
 
     path: Path
     ring: exact.Ring
     angles: np.ndarray
+    rolls: np.ndarray | None
     demand: exact.Demand
     content: dict[str, Any]
 
@@ -136,6 +141,7 @@ def placement_content(found: "placement.Placement", asked: "Request") -> dict[st
         "demand": asdict(found.demand),
         "angles_deg": np.degrees(found.angles).tolist(),
         "angles_rad": list(found.angles),
+        **rolls_content(found.rolls),
         "best_equidistant_phase_deg": float(np.degrees(found.best_equidistant_phase)),
         "areas_mm2": {name: area / n_poses for name, area in zip(names, areas, strict=True)},
         "fractions_of_ring_maximum": dict(zip(names, fractions, strict=True)),
@@ -144,6 +150,7 @@ def placement_content(found: "placement.Placement", asked: "Request") -> dict[st
         "most_area": {
             "angles_deg": np.degrees(found.most_area.angles).tolist(),
             "angles_rad": list(found.most_area.angles),
+            **rolls_content(found.most_area.rolls),
             "area_mm2": found.most_area.area / n_poses,
             "fraction_of_ring_maximum": found.most_area.fraction,
         },
@@ -163,6 +170,11 @@ def placement_content(found: "placement.Placement", asked: "Request") -> dict[st
         "seed": found.seed,
         "versions": found.versions,
     }  # fmt: skip
+
+
+def rolls_content(rolls: tuple[float, ...] | None) -> dict[str, list[float]]:
+    """Rolls of the cameras' own; nothing where they are the ring's."""
+    return {} if rolls is None else {"rolls_deg": np.degrees(rolls).tolist(), "rolls_rad": list(rolls)}
 
 
 def _mesh_content(found: "placement.Placement", asked: "Request", number: int) -> dict[str, Any]:
@@ -259,11 +271,12 @@ def understood(text: str, path: Path) -> LayoutFile:
         _refuse_unknown(ring, tuple(RING.values()), ' in "ring"')
         made = exact.Ring(**{name: ring[key] for name, key in RING.items() if key in ring})
         angles = _angles(content)
-        made.positions(angles)
+        rolls = _listed(content, "rolls", "rolls")
+        made.cameras(angles, rolls)
         demand = _demand(content, made, len(angles))
     except (exact.ExactError, InputError) as error:
         raise InputError(f"{path}: {error}") from error
-    return LayoutFile(path, made, angles, demand, content)
+    return LayoutFile(path, made, angles, rolls, demand, content)
 
 
 def _demand(content: dict[str, Any], ring: exact.Ring, n_cameras: int) -> exact.Demand:
@@ -318,8 +331,18 @@ def constraints_of(kept: dict[str, Any]) -> "placement.Constraints":
 
 
 def _angles(content: dict[str, Any]) -> np.ndarray:
+    given = _listed(content, "angles", "ring angles")
+    if given is None:
+        raise InputError('it gives no ring angles; "angles_rad" or "angles_deg" must list them')
+    if content.get("n_cameras", len(given)) != len(given):
+        raise InputError(f'"n_cameras" is {content["n_cameras"]!r}, and there are {len(given)} ring angles')
+    return given
+
+
+def _listed(content: dict[str, Any], name: str, words: str) -> np.ndarray | None:
+    """Angles that are listed in radians, in degrees, or in both; None if in neither."""
     given = []
-    for key, unit in (("angles_rad", 1.0), ("angles_deg", np.pi / 180)):
+    for key, unit in ((f"{name}_rad", 1.0), (f"{name}_deg", np.pi / 180)):
         if key not in content:
             continue
         values = content[key]
@@ -329,16 +352,14 @@ def _angles(content: dict[str, Any]) -> np.ndarray:
         try:
             given.append(np.array(values, dtype=np.float64) * unit)
         except OverflowError as error:  # whole numbers of hundreds of digits
-            raise InputError(f'the ring angles of "{key}" must all be finite') from error
+            raise InputError(f'the {words} of "{key}" must all be finite') from error
     if not given:
-        raise InputError('it gives no ring angles; "angles_rad" or "angles_deg" must list them')
+        return None
     if not np.isfinite(given[0]).all():
-        raise InputError(f"ring angles {given[0].tolist()} are not all finite [rad]")
+        raise InputError(f"{words} {given[0].tolist()} are not all finite [rad]")
     # Whoever edits one of the two by hand must not get the areas of the other.
     if len(given[0]) != len(given[-1]) or not (np.abs(given[0] - given[-1]) <= SAME_ANGLE).all():
-        raise InputError('"angles_deg" and "angles_rad" are not the same angles; leave one of them out')
-    if content.get("n_cameras", len(given[0])) != len(given[0]):
-        raise InputError(f'"n_cameras" is {content["n_cameras"]!r}, and there are {len(given[0])} ring angles')
+        raise InputError(f'"{name}_deg" and "{name}_rad" are not the same angles; leave one of them out')
     return given[0]
 
 

@@ -134,6 +134,7 @@ OF_TYPE = {
     "float": NUMBER,
     "bool": FLAG,
     "str": WORD,
+    "str | float": WORD,
     "tuple[float, ...]": NUMBERS,
     "tuple[float, float]": SIZE,
     "tuple[int, int]": PIXELS,

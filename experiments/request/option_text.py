@@ -7,6 +7,8 @@ from experiments.files.errors import InputError
 
 # Options of three numbers that are directions, whose length says nothing.
 DIRECTIONS = ("--axis", "--zero-towards", "--depth-axis")
+# Of a range of lengths; more are a slip of the step.
+MOST_STEPS = 100
 
 
 def parse_fov(text: str, option: str = "--fov") -> tuple[float, float]:
@@ -183,3 +185,35 @@ def parse_points(text: str, option: str = "--light") -> tuple[tuple[float, float
     ((0.0, 0.0, 400.0), (10.0, 0.0, 390.0))
     """
     return tuple(parse_vector(part, option) for part in text.split(";"))
+
+
+def parse_steps(text: str, option: str) -> tuple[float, ...]:
+    """Lengths: one, several separated by commas, or first:last:step, with the last if a step ends there.
+
+    Raises
+    ------
+    InputError
+        If it is something else, or gives more than `MOST_STEPS`.
+
+    Examples
+    --------
+    >>> parse_steps("20:30:5", "--diameter"), parse_steps("30, 45", "--diameter")
+    ((20.0, 25.0, 30.0), (30.0, 45.0))
+    """
+    try:
+        numbers = [float(part) for part in re.split("[:,]", text)]
+        is_range = ":" in text
+        if not all(map(math.isfinite, numbers)) or (is_range and ("," in text or len(numbers) != 3)):
+            raise ValueError
+        if not is_range:
+            return tuple(dict.fromkeys(numbers))
+        first, last, step = numbers
+        if not (step > 0 and last >= first and (last - first) / step < MOST_STEPS):
+            raise ValueError
+    except ValueError as error:
+        raise InputError(
+            f"{option} is {text[:40]!r}; it must be lengths in millimetres, separated by commas, as in 20,30, or "
+            f"first:last:step, as in 20:40:5, with at most {MOST_STEPS} of them"
+        ) from error
+    # A few digits more than anybody writes take the rounding of the steps away.
+    return tuple(round(first + step * number, 9) for number in range(math.floor((last - first) / step + 1e-6) + 1))

@@ -131,8 +131,18 @@ SAID_OTHERWISE: dict[str, dict[str, Any]] = {
     "depth_of_field": {"kind": RANGE},
     "focus_distance": {"unless_given": "that of the focus"},
     "zero_towards": {"unless_given": "+x, turned with the axis"},
-}
+    "roll": {
+        "choices": ("radial", "tangential", "free"),
+        "meaning": "How each sensor is turned about its optical axis: radial, with the height of its image towards the "
+        "ring's axis; tangential, a quarter turn from that; or free, each as is best for the layout.",
+    },
+}  # fmt: skip
 BESIDE_CLASSES = (
+    Option(
+        "roll_deg", "ring", NUMBER, None,
+        "Ring angle along which the width of every image lies, one direction in space for all sensors [degrees].",
+        "as roll says",
+    ),
     Option("count", "cameras", WHOLE, 4, "Number of cameras.", option="cameras"),
     Option("seed", "search", WHOLE, 0, "Seed of the search; the same seed gives the same layout."),
     Option(
@@ -209,6 +219,7 @@ def keys(*classes: str) -> dict[str, Option]:
             made = _of_field(name, SECTION_OF[name], field)
             known = found.get(made.name)
             found[made.name] = made if known is None else replace(known, classes=(*known.classes, name))
+    found["roll_deg"] = found.pop("roll_deg")  # after the word in whose place it stands
     return {one.name: one for section in SECTIONS for one in found.values() if one.section == section}
 
 
@@ -244,7 +255,7 @@ def fields_of(name: str, values: dict[str, Any]) -> dict[str, Any]:
 def _of_field(name: str, section: str, field: Declared) -> Option:
     """What the declaration says; an angle is one in degrees, except for the numbers of the search."""
     kind, choices = of_type(field.type)
-    in_degrees = name in ON_THE_COMMAND_LINE and "[rad]" in field.words
+    in_degrees = name in ON_THE_COMMAND_LINE and "[rad]" in field.words and kind is not WORD
     made = Option(
         f"{field.name}_deg" if in_degrees else field.name,
         section,

@@ -4,6 +4,7 @@ What may stand in it is said in `experiments.request.options`.
 """
 
 import difflib
+import math
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -36,6 +37,8 @@ class Rig:
         The point all cameras look at [mm], and the direction from it to the ring's centre.
     zero_towards : (float, float, float) or None
         Where ring angle 0 lies.
+    roll : str or float
+        How sensors are turned about their optical axes: as for `exact.Ring`.
     place : str
         "none" for what focus and axis say, "auto" for one that is found for the mesh.
     n_cameras : int
@@ -75,6 +78,7 @@ class Rig:
     focus: tuple[float, float, float]
     axis: tuple[float, float, float]
     zero_towards: tuple[float, float, float] | None
+    roll: str | float
     place: str
     n_cameras: int
     demand: exact.Demand
@@ -105,7 +109,9 @@ class Rig:
         20.0
         """
         fov = recommended_fov if self.fov is None else self.fov
-        return exact.Ring(self.diameter, self.working_distance, fov, self.focus, self.axis, self.zero_towards)
+        return exact.Ring(
+            self.diameter, self.working_distance, fov, self.focus, self.axis, self.zero_towards, self.roll
+        )
 
 
 def rig(path: Path | None = None, **options: Any) -> Rig:
@@ -134,7 +140,9 @@ def rig(path: Path | None = None, **options: Any) -> Rig:
     values = {name: key.default for name, key in known.items()}
     if path is not None:
         values |= read(path)
-    values |= _understood(options)
+    given = _understood(options)
+    values |= given
+    values["roll"] = _roll(values, given)
     values["place"] = checked_place(options, values["place"])
     constraints = placement.Constraints(**fields_of("Constraints", values))
     return Rig(
@@ -149,6 +157,18 @@ def rig(path: Path | None = None, **options: Any) -> Rig:
             if not key.classes and key.section in ("search", "mesh", "sites", "poses")
         },
     )
+
+
+def _roll(values: Mapping[str, Any], given: Mapping[str, Any]) -> str | float:
+    """How sensors are turned, of a word and an angle: what options give goes before what a file says."""
+    if "roll" in given and "roll_deg" in given:
+        raise InputError("--roll and --roll-deg both say how sensors are turned; leave one of them out")
+    along = None if "roll" in given else values["roll_deg"]
+    if along is None:
+        return values["roll"]
+    if values["roll"] != keys()["roll"].default and "roll_deg" not in given:
+        raise InputError("roll and roll_deg in [ring] both say how sensors are turned; leave one of them out")
+    return math.radians(along)
 
 
 def checked_place(options: Mapping[str, Any], otherwise: str = "none") -> str:

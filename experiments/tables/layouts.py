@@ -43,6 +43,8 @@ class Row:
         What is left under faults, if that was worked out.
     breaks : tuple of str
         Which constraints of the request it does not meet, in words: it is there to compare with only.
+    rolls : (M,) ndarray or None
+        Of the cameras [rad], as `exact.Ring.cameras` takes them, where they are free.
     """
 
     name: str
@@ -57,6 +59,7 @@ class Row:
     error: float
     robustness: "placement.Robustness | None" = None
     breaks: tuple[str, ...] = ()
+    rolls: np.ndarray | None = None
 
 
 def row(
@@ -69,11 +72,12 @@ def row(
     error: float,
     robustness: "placement.Robustness | None" = None,
     breaks: Sequence[str] = (),
+    rolls: np.ndarray | None = None,
 ) -> Row:
     """The row of a layout with this exact area [mm²] and fraction of the ring maximum."""
     return Row(
         name, np.asarray(angles), area, fraction, gain, spread.smallest_separation, spread.widest_angle,
-        spread.mean_best_angle, spread.best_angle_quantiles(SHARES), error, robustness, tuple(breaks),
+        spread.mean_best_angle, spread.best_angle_quantiles(SHARES), error, robustness, tuple(breaks), rolls,
     )  # fmt: skip
 
 
@@ -121,6 +125,7 @@ def figures(row: Row) -> dict[str, Any]:
         **faults,
         "breaks_constraints": "; ".join(row.breaks),
         "ring_angles_deg": np.degrees(row.angles).tolist(),
+        **({} if row.rolls is None else {"rolls_deg": np.degrees(row.rolls).tolist()}),
     }
 
 

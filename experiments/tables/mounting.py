@@ -30,7 +30,9 @@ class Mounting:
     tilt: np.ndarray
 
 
-def mounting(scenes: Sequence[exact.Scene], ring: exact.Ring, angles, demand: exact.Demand) -> Mounting | None:
+def mounting(
+    scenes: Sequence[exact.Scene], ring: exact.Ring, angles, demand: exact.Demand, rolls=None
+) -> Mounting | None:
     """Of the mean area over several scenes; None if the area has no derivative that is known (`max_error`).
 
     Parameters
@@ -40,10 +42,12 @@ def mounting(scenes: Sequence[exact.Scene], ring: exact.Ring, angles, demand: ex
     angles : (M,) array_like
         Ring angles [rad].
     demand : exact.Demand
+    rolls : (M,) array_like, optional
+        Of cameras that have rolls of their own [rad].
     """
     if demand.max_error is not None:
         return None
-    cameras = ring.cameras(angles)
+    cameras = ring.cameras(angles, rolls)
     found = [exact.gradient(scene, cameras, demand=demand) for scene in scenes]
     around = [one.on_ring(ring) for one in found]
     look = np.array([camera.rotation[2] for camera in cameras])

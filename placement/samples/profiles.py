@@ -202,7 +202,7 @@ class Visibility:
     """
 
     def __init__(self, mesh: trimesh.Trimesh, demand: exact.Demand | None = None):
-        self._demand = exact.Demand() if demand is None else demand
+        self._demand, self._any_roll = exact.Demand() if demand is None else demand, False
         # Only what hides: vertices that no face with area uses may be anywhere.
         used, faces = np.unique(mesh.faces[mesh.area_faces > 0], return_inverse=True)
         vertices = np.asarray(mesh.vertices)[used]
@@ -214,9 +214,12 @@ class Visibility:
         vertices = np.ascontiguousarray(vertices - self._centre, dtype=np.float32)
         TriangleMesh(self._scene, vertices, np.ascontiguousarray(faces.reshape(-1, 3), dtype=np.int32))
 
-    def from_angles(self, samples: SurfaceSamples, ring: exact.Ring, angles) -> Bool[np.ndarray, "M N"]:
-        """(M, N) bool: does the camera at each of the (M,) ring angles [rad] see each of the N samples."""
-        cameras = poses(ring, angles)
+    def from_angles(self, samples: SurfaceSamples, ring: exact.Ring, angles, rolls=None) -> Bool[np.ndarray, "M N"]:
+        """(M, N) bool: does the camera at each of the (M,) ring angles [rad] see each of the N samples.
+
+        `rolls` are those of the cameras (M,) [rad], as `exact.Ring.cameras` takes them.
+        """
+        cameras = poses(ring, angles, rolls)
         n_cameras, n_points = len(cameras.positions), len(samples)
         seen = np.zeros((n_cameras, n_points), dtype=bool)
         if n_points == 0:
@@ -255,7 +258,11 @@ class Visibility:
         facing = height > 0
         local = np.einsum("pij,pj->pi", rotations[which], -to_camera)  # right, down, look
         depth = local[:, 2:]
-        inside = (depth[:, 0] > 0) & (np.abs(local[:, :2]) <= half_extents[which] * depth).all(axis=1)
+        if self._any_roll:  # in the circle around the field of view, which it fills as it turns
+            reach = np.hypot(*half_extents[which].T) * depth[:, 0]
+            inside = (depth[:, 0] > 0) & (np.hypot(local[:, 0], local[:, 1]) <= reach)
+        else:
+            inside = (depth[:, 0] > 0) & (np.abs(local[:, :2]) <= half_extents[which] * depth).all(axis=1)
 
         seen = facing & inside
         if self._demand.limits.is_any:  # cameras of one ring differ in nothing that limits depend on
@@ -268,9 +275,16 @@ class Visibility:
 
     def without_limits(self) -> "Visibility":
         """The same, where to be seen is enough."""
-        bare = object.__new__(Visibility)
-        vars(bare).update(vars(self) | {"_demand": exact.Demand()})
-        return bare
+        return self._but(_demand=exact.Demand())
+
+    def at_any_roll(self) -> "Visibility":
+        """The same, where it is enough to be seen with some roll of the camera."""
+        return self._but(_any_roll=True)
+
+    def _but(self, **changed) -> "Visibility":
+        other = object.__new__(Visibility)
+        vars(other).update(vars(self) | changed)
+        return other
 
     def lit(self, samples: SurfaceSamples, lights: Sequence[Sequence[float]]) -> Bool[np.ndarray, " N"]:
         """(N,) bool: do the samples face one of the lights [mm], with nothing between; all are lit by no lights."""

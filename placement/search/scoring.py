@@ -106,15 +106,21 @@ class ExactScorer:
         new = list({theta.tobytes(): theta for theta in turned if theta.tobytes() not in self._errors}.values())
         tasks = [(site.scene.without_mesh(), self.ring.cameras(theta)) for theta in new for site in self.sites.members]
         if self._workers <= 1 or len(tasks) == 1:
-            found = [_squares(*task, self.demand) for task in tasks]
+            found = [squared_errors(*task, self.demand) for task in tasks]
         else:
             with processes(self._workers) as executor:
-                futures = [executor.submit(_squares, *task, self.demand) for task in tasks]
+                futures = [executor.submit(squared_errors, *task, self.demand) for task in tasks]
                 found = [future.result() for future in futures]
         sums = np.reshape(found, (len(new), len(self.sites.members), 2)).sum(axis=1)
         for theta, (squares, total) in zip(new, sums.tolist(), strict=True):
             self._errors[theta.tobytes()] = float(np.sqrt(squares / total)) if total > 0 else np.inf
         return [self._errors[theta.tobytes()] for theta in turned]
+
+    def error_of(self, cameras: Sequence[exact.Camera]) -> float:
+        """Root mean square of the predicted errors [mm] over all that these cameras reconstruct of all sites."""
+        found = [squared_errors(site.scene, cameras, self.demand) for site in self.sites.members]
+        squares, total = (float(sum(values)) for values in zip(*found, strict=True))
+        return float(np.sqrt(squares / total)) if total > 0 else np.inf
 
     def moving(self, angles, camera: int) -> Callable[[float], float]:
         """`fraction` of a layout as a function of the ring angle [rad] of one of its cameras, the others held."""
@@ -123,7 +129,7 @@ class ExactScorer:
         return lambda angle: self.combined([one.area(self.ring.cameras([angle])[0]) for one in layouts])
 
 
-def _squares(scene: exact.Scene, cameras: Sequence[exact.Camera], demand: exact.Demand) -> tuple[float, float]:
+def squared_errors(scene: exact.Scene, cameras: Sequence[exact.Camera], demand: exact.Demand) -> tuple[float, float]:
     """Integral of the squared errors over what the cameras reconstruct [mm⁴], and its area [mm²]."""
     errors = exact.evaluate(scene, cameras, demand=demand).errors
     return float(errors.weights @ getattr(errors, demand.error) ** 2), float(errors.weights.sum())

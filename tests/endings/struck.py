@@ -57,14 +57,14 @@ class Struck:
         loky.ProcessPoolExecutor.submit = lambda pool, function, *a: self.submitted(command, pool, function, *a)
         if command in ("optimise", "count", "tradeoff"):  # whose workers start in the background
             profiles.EmbreeScene = self.scene
-        elif command not in ("bench", "paper", "study"):  # which start none
+        elif command not in ("bench", "paper", "ring", "study"):  # which start none
             with processes(1):
                 os.replace = self.replace
             if command in ("evaluate", "compare"):  # which take longer until they write
                 surface.connected_components = self.components
 
     def submitted(self, command: str, pool: loky.ProcessPoolExecutor, function, *arguments):
-        if function is int or command not in ("bench", "paper", "study"):
+        if function is int or command not in ("bench", "paper", "ring", "study"):
             future = self.submit(pool, function, *arguments)
             if self.fault == "a worker dies at its start" and not self.workers_are_there.is_set():
                 os.kill(next(iter(pool._processes)), signal.SIGKILL)

@@ -22,6 +22,7 @@ COMMANDS = {
     "optimise": "optimise part.stl --rig rig.toml",
     "count": "count part.stl --rig rig.toml --max-cameras 2",
     "tradeoff": "tradeoff part.stl --rig rig.toml --cameras 2",
+    "ring": "ring part.stl --rig rig.toml --cameras 2 --diameter 20,30",
     "evaluate": "evaluate part.stl --cameras 2 --out out --json",
     "compare": "compare made/layout.json made/layout.json --mesh part.stl --out out --json",
     "report": "report made/layout.json --mesh part.stl --out out --json",

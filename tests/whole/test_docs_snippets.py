@@ -24,7 +24,7 @@ ELSEWHERE = {"docs/exports.md"}
 # Take minutes, or a cluster, or until somebody stops them: the parser is asked whether it knows them. Their parts are
 # tested elsewhere.
 SLOW = ("camring design", "camring bench", "camring paper", "camring study", "camring site --gallery",
-        "camring optimise circ_artery", "camring count circ_artery")  # fmt: skip
+        "camring optimise circ_artery", "camring count circ_artery", "camring ring circ_artery")  # fmt: skip
 
 
 def text(page: str) -> str:
@@ -61,7 +61,7 @@ def run_command(line: str, desk: Path, camring, quick_search: str) -> None:
         known = typer.main.get_command(app).commands[arguments[0]]
         known.make_context(arguments[0], arguments[1:])
         return
-    if arguments[0] in ("optimise", "count", "tradeoff"):
+    if arguments[0] in ("optimise", "count", "tradeoff", "ring"):
         if "--rig" not in arguments:
             (desk / "quick.toml").write_text(quick_search, encoding="utf-8")
             arguments += ["--rig", "quick.toml"]

@@ -39,7 +39,7 @@ def run(
         raise InputError(f"{len(layouts)} layout is given; at least two are needed to compare")
     read = [layout_file.read(path) for path in layouts]
     for one in read[1:]:
-        if one.ring != read[0].ring:
+        if _turned(one.ring) != _turned(read[0].ring):
             raise InputError(
                 f"{one.path} and {read[0].path} are layouts of different rings ({one.ring} and {read[0].ring}); "
                 "areas and fractions compare on one ring only: score each with camring evaluate --layout"
@@ -60,16 +60,16 @@ def run(
     rows = []
     with progress_bar("scoring exactly", RING_CAMERAS + sum(len(one.angles) for one in read)) as advance:
 
-        def evaluated(angles, counted: exact.Demand) -> exact.Reconstruction:
-            result = exact.evaluate(scene, rig.cameras(angles), demand=counted, report=advance)
+        def evaluated(cameras, counted: exact.Demand) -> exact.Reconstruction:
+            result = exact.evaluate(scene, cameras, demand=counted, report=advance)
             refuse_unseen(about, result, rig)
             return result
 
-        results = [evaluated(one.angles, demand) for one in read]
+        results = [evaluated(rig.cameras(one.angles, one.rolls), demand) for one in read]
         areas, errors = [result.area for result in results], [result.error_rms for result in results]
-        maximum = evaluated(rig.equidistant(RING_CAMERAS), unbased(demand)).area
+        maximum = evaluated(rig.cameras(rig.equidistant(RING_CAMERAS)), unbased(demand)).area
     for one, found, error in zip(read, areas, errors, strict=True):
-        spread = placement.triangulation(scene, rig, one.angles, demand=demand)
+        spread = placement.triangulation(scene, rig, one.angles, rolls=one.rolls, demand=demand)
         gain = None if one is read[0] else (found - areas[0]) / maximum
         rows.append(layout_table.row(str(one.path), one.angles, found, found / maximum, gain, spread, error))
     content: dict[str, Any] = {
@@ -94,8 +94,13 @@ def run(
         return
     layout_table.write_csv(out / OUTPUTS[0], rows)
     panels = [
-        Panel(row.name, row.angles, f"{row.area:.1f} mm², {100 * row.fraction:.2f} % of the ring maximum")
-        for row in rows
+        Panel(row.name, row.angles, f"{row.area:.1f} mm², {100 * row.fraction:.2f} % of the ring maximum", one.rolls)
+        for row, one in zip(rows, read, strict=True)
     ]
     write_coverage(out / OUTPUTS[1], about.name, scene, rig, panels, demand)
     note(f"wrote {', '.join(str(out / name) for name in OUTPUTS)}")
+
+
+def _turned(ring: exact.Ring) -> exact.Ring:
+    """The ring of equidistant cameras: of free rolls the radial one, whose maximum is the same."""
+    return replace(ring, roll="radial") if ring.roll == "free" else ring

@@ -88,7 +88,7 @@ def run(
 def figures(counted: placement.CountResult) -> dict[str, Any]:
     """Every figure of one number of cameras in full; None where there is none."""
     found = counted.placement
-    certificate = None if found is None else found.certificate
+    certificate, rolls = (None, None) if found is None else (found.certificate, found.rolls)
     return {
         "n_cameras": counted.n_cameras,
         "equidistant_fraction": counted.equidistant_fraction,
@@ -105,6 +105,7 @@ def figures(counted: placement.CountResult) -> dict[str, Any]:
         "sampling_error": None if certificate is None else certificate.sampling_error,
         "seconds": None if found is None else round(sum(found.search.seconds.values()), 3),
         "ring_angles_deg": None if found is None else np.degrees(found.angles).tolist(),
+        **({} if rolls is None else {"rolls_deg": np.degrees(rolls).tolist()}),
     }
 
 
@@ -164,6 +165,9 @@ def _print(asked: Request, found: placement.Recommendation, words: str) -> None:
     if found.placement is not None:
         angles = ", ".join(f"{angle:.3f}" for angle in np.degrees(found.placement.angles))
         console.print(f"ring angles of the {found.n_cameras} [degrees]: {angles}")
+        if found.placement.rolls is not None:
+            rolls = ", ".join(f"{roll:.3f}" for roll in np.degrees(found.placement.rolls))
+            console.print(f"their rolls [degrees]: {rolls}")
 
 
 def _count_table(found: placement.Recommendation) -> Table:

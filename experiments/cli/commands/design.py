@@ -25,7 +25,7 @@ if TYPE_CHECKING:  # at run time they would bring the extra along
 # What the extra brings.
 NEEDED = ("starlette", "uvicorn", "websockets")
 SESSION = "session.json"
-RING_OPTIONS = ("fov", "diameter", "working_distance", "focus", "axis", "zero_towards")
+RING_OPTIONS = ("fov", "diameter", "working_distance", "focus", "axis", "zero_towards", "roll", "roll_deg")
 
 
 def run(

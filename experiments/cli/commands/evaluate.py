@@ -37,7 +37,7 @@ UNSEEN = 1e-12
 ALL_BACK = 0.5
 # Cameras nearer to each other than this [mm] are in one place: less than any mount moves.
 SAME_PLACE = 1e-3
-RING_OPTIONS = ("fov", "diameter", "working_distance", "focus", "axis", "zero_towards")
+RING_OPTIONS = ("fov", "diameter", "working_distance", "focus", "axis", "zero_towards", "roll", "roll_deg")
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,6 +47,7 @@ class _Cameras:
     ring: exact.Ring
     angles: np.ndarray
     demand: exact.Demand
+    rolls: np.ndarray | None = None
 
 
 def run(
@@ -74,8 +75,8 @@ def run(
         )
     if layout is not None and (rig_path is not None or any(options[name] is not None for name in RING_OPTIONS)):
         raise InputError(
-            "a layout brings its own ring; leave --rig, --fov, --diameter, --working-distance, --focus, --axis and "
-            "--zero-towards out; --place auto moves it over the mesh"
+            "a layout brings its own ring; leave --rig, --fov, --diameter, --working-distance, --focus, --axis, "
+            "--zero-towards, --roll and --roll-deg out; --place auto moves it over the mesh"
         )
     # One mesh as it is: what a rig file says of several and of poses is for layouts that serve them all.
     made = None if layout is None else layout_file.read(layout)
@@ -84,7 +85,7 @@ def run(
     asked = request([mesh], depth, detail, rig, None if made is None else made.ring)
     if made is not None:
         made.refuse_other_mesh(asked.subjects[0].mesh, asked.name, force)
-        cameras = _Cameras(asked.ring, made.angles, overridden(made.moved_to(asked.ring), options))
+        cameras = _Cameras(asked.ring, made.angles, overridden(made.moved_to(asked.ring), options), made.rolls)
     else:
         listed = angles_deg is not None
         angles = np.radians(parse_angles(angles_deg)) if listed else asked.ring.equidistant(asked.rig.n_cameras)
@@ -123,7 +124,7 @@ def _warn_of_one_place(given: _Cameras) -> None:
 def _evaluate(asked: Request, given: _Cameras, with_maximum: bool) -> tuple[exact.Reconstruction, dict[str, Any]]:
     """The reconstruction, and all figures as they stand in evaluation.json."""
     about, scene = asked.subjects[0], asked.poses[0].scene
-    cameras = given.ring.cameras(given.angles)
+    cameras = given.ring.cameras(given.angles, given.rolls)
     n_ring = asked.rig.settings.ring_cameras if with_maximum else 0
     with progress_bar("evaluating", 2 * len(cameras) + n_ring) as advance:
         result = exact.evaluate(scene, cameras, demand=given.demand, report=advance)
@@ -149,6 +150,7 @@ def _evaluate(asked: Request, given: _Cameras, with_maximum: bool) -> tuple[exac
         "ring": layout_file.ring_content(given.ring),
         "angles_rad": given.angles.tolist(),
         "angles_deg": np.degrees(given.angles).tolist(),
+        **({} if given.rolls is None else {"rolls_rad": given.rolls.tolist()}),
         "threshold": given.demand.threshold,
         "min_baseline_mm": given.demand.min_baseline,
         "area_mm2": result.area,
@@ -183,7 +185,9 @@ def _write_images(folder: Path, asked: Request, given: _Cameras) -> None:
     from experiments.figures.camera_images import write_camera_images  # matplotlib is heavy, and the rest needs none
 
     with progress_bar("drawing", len(given.angles)) as advance:
-        names = write_camera_images(folder, asked.name, asked.subjects[0].mesh, given.ring, given.angles, advance)
+        names = write_camera_images(
+            folder, asked.name, asked.subjects[0].mesh, given.ring, given.angles, advance, given.rolls
+        )
     note(f"wrote {folder / names[0]}{f' to {names[-1]}' if len(names) > 1 else ''}")
 
 

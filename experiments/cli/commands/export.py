@@ -49,7 +49,7 @@ def run(
         )
     site = None if mesh is None else _site(made, mesh, depth, detail, options, force)
     files = formats.prepare(out, names, force)
-    cameras = named_cameras(made.ring, made.angles, size)
+    cameras = named_cameras(made.ring, made.angles, size, made.rolls)
     formats.write(out, names, cameras, site)
     width, height = cameras[0].size
     if as_json:

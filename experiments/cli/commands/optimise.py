@@ -58,6 +58,8 @@ def run(
     results_folder(out, (*OUTPUTS, *meshes_too, *[REPORT] * with_report), asked.subjects[0], force)
     files = formats.prepare(out, names, force)
     background(import_descent)  # while the site is sampled
+    is_free = asked.ring.roll == "free"
+    robust = robust and not is_free
     with progress_stages() as progress:
         problem, (n_cameras, limits) = asked.problem(progress), (asked.rig.n_cameras, asked.rig.constraints)
         # Equidistant rings wait for no search; other processes work on them while this one searches.
@@ -71,11 +73,11 @@ def run(
         layouts = _layouts(result, asked)
         drawing = background(lambda: _draw(out / OUTPUTS[2], asked, result, (layouts[0], layouts[-1])))
         progress("faults and triangulation angles", 0, 1)
-        searched = [_kept(problem, asked, robust, layout.angles) for layout in layouts[2:]]
+        searched = [_kept(problem, asked, robust, layout.angles, layout.rolls) for layout in layouts[2:]]
         rows = _rows(result, asked, layouts, [*(found.result() for found in even), *searched])
         content = layout_file.placement_content(result, asked)
         scenes = [pose.scene for pose in asked.poses]
-        mounted = mounting_table.mounting(scenes, asked.ring, result.angles, result.demand)
+        mounted = mounting_table.mounting(scenes, asked.ring, result.angles, result.demand, result.rolls)
         if mounted is not None:
             content["mounting"] = mounting_table.mounting_content(mounted, result.angles)
         if robust:
@@ -85,9 +87,11 @@ def run(
         layout_file.write(out / OUTPUTS[0], content)
         layout_table.write_csv(out / OUTPUTS[1], rows)
         drawing.result()
-        formats.write(out, names, named_cameras(asked.ring, np.array(result.angles)), asked.subjects[0])
+        formats.write(
+            out, names, named_cameras(asked.ring, layouts[-1].angles, rolls=layouts[-1].rolls), asked.subjects[0]
+        )
         if meshes_too:
-            files += _write_meshes(out, asked, result)
+            files += _write_meshes(out, asked, layouts[-1], result.demand)
         if with_report:
             from experiments.report import page
 
@@ -100,6 +104,8 @@ def run(
     note(f"wrote {', '.join(str(out / name) for name in (*OUTPUTS, *files))}")
     if len(asked.subjects) > 1 and (meshes_too or any(formats.FORMATS[name].needs_site for name in names)):
         note(f"note: the meshes written show {asked.subjects[0].name}, the first")
+    if is_free:
+        note("note: for free rolls nothing is told of faults and of a bound; --roll radial or tangential has both")
     reach(target, result.fraction, f"the optimised {asked.rig.n_cameras} cameras")
 
 
@@ -113,6 +119,8 @@ class Layout(NamedTuple):
     fraction: float
     error: float
     """Root mean square of the predicted errors [mm]."""
+    rolls: np.ndarray | None = None
+    """Where they are free [rad]."""
 
 
 def _layouts(result: placement.Placement, asked: Request) -> tuple[Layout, ...]:
@@ -120,7 +128,9 @@ def _layouts(result: placement.Placement, asked: Request) -> tuple[Layout, ...]:
     phase, even, sites = result.best_equidistant_phase, asked.ring.equidistant, result.sites
     at_best = f"equidistant, best phase ({np.degrees(phase):.1f}°)"
     most = result.most_area
-    other = (Layout("most area", np.array(most.angles), most.areas, most.fraction, result.most_area_error_rms),)
+    other = Layout(
+        "most area", np.array(most.angles), most.areas, most.fraction, result.most_area_error_rms, _array(most.rolls)
+    )
     return (
         Layout(
             "equidistant", even(result.n_cameras), tuple(site.equidistant_area for site in sites),
@@ -130,12 +140,16 @@ def _layouts(result: placement.Placement, asked: Request) -> tuple[Layout, ...]:
             at_best, even(result.n_cameras, phase), tuple(site.best_equidistant_area for site in sites),
             result.best_equidistant_fraction, result.best_equidistant_error_rms,
         ),
-        *(other if most.angles != result.angles else ()),
+        *([other] if (most.angles, most.rolls) != (result.angles, result.rolls) else ()),
         Layout(
             "optimised", np.array(result.angles), tuple(site.area for site in sites), result.fraction,
-            result.error_rms,
+            result.error_rms, _array(result.rolls),
         ),
     )  # fmt: skip
+
+
+def _array(rolls: tuple[float, ...] | None) -> np.ndarray | None:
+    return None if rolls is None else np.array(rolls)
 
 
 def _best_equidistant(problem: placement.Problem, asked: Request) -> np.ndarray:
@@ -145,14 +159,16 @@ def _best_equidistant(problem: placement.Problem, asked: Request) -> np.ndarray:
 
 
 def _kept(
-    problem: placement.Problem, asked: Request, robust: bool, angles: np.ndarray
+    problem: placement.Problem, asked: Request, robust: bool, angles: np.ndarray, rolls: np.ndarray | None = None
 ) -> tuple[placement.Triangulation, placement.Robustness | None]:
     """Triangulation angles of a layout, and what is left of it under faults."""
     found = placement.robustness(problem, angles, asked.rig.constraints) if robust else None
     n_samples = max(ANGLE_SAMPLES // len(asked.poses), LEAST_ANGLE_SAMPLES)
     spread = placement.Triangulation.together(
         [
-            placement.triangulation(pose.scene, asked.ring, angles, demand=asked.demand, n_samples=n_samples)
+            placement.triangulation(
+                pose.scene, asked.ring, angles, rolls=rolls, demand=asked.demand, n_samples=n_samples
+            )
             for pose in asked.poses
         ]
     )
@@ -172,7 +188,16 @@ def _rows(
         area = sum(layout.areas) / asked.n_poses
         rows.append(
             layout_table.row(
-                layout.name, layout.angles, area, layout.fraction, gain, spread, layout.error, found, breaks
+                layout.name,
+                layout.angles,
+                area,
+                layout.fraction,
+                gain,
+                spread,
+                layout.error,
+                found,
+                breaks,
+                np.zeros(len(layout.angles)) if result.rolls is not None and layout.rolls is None else layout.rolls,
             )
         )
     return rows
@@ -190,15 +215,16 @@ def _draw(path: Path, asked: Request, result: placement.Placement, layouts: Sequ
         Panel(
             layout.name, layout.angles,
             f"{layout.areas[shown]:.1f} mm², {100 * layout.areas[shown] / ring_area:.2f} % of the ring maximum",
+            layout.rolls,
         )
         for layout in layouts
     ]  # fmt: skip
     write_coverage(path, pose.name + which, pose.scene, asked.ring, panels, result.demand)
 
 
-def _write_meshes(out: Path, asked: Request, result: placement.Placement) -> tuple[str, ...]:
-    cameras = asked.ring.cameras(np.array(result.angles))
-    return coverage_mesh.write(out, exact.evaluate(asked.poses[0].scene, cameras, demand=result.demand))
+def _write_meshes(out: Path, asked: Request, layout: Layout, demand: exact.Demand) -> tuple[str, ...]:
+    cameras = asked.ring.cameras(layout.angles, layout.rolls)
+    return coverage_mesh.write(out, exact.evaluate(asked.poses[0].scene, cameras, demand=demand))
 
 
 def _print(
@@ -219,6 +245,8 @@ def _print(
     console.print(
         "optimised ring angles [degrees]: " + ", ".join(f"{angle:.3f}" for angle in np.degrees(result.angles)),
     )
+    if result.rolls is not None:
+        console.print("optimised rolls [degrees]: " + ", ".join(f"{roll:.3f}" for roll in np.degrees(result.rolls)))
     if mounted is not None:
         console.print(mounting_table.mounting_table(mounted, result.angles))
     found = rows[-1].robustness

@@ -40,13 +40,19 @@ async function start() {
     },
     lightposition: { x: 20000, y: -30000, z: 60000 },
   };
+  /* The fields of view of some cameras as one line, with a gap after each. */
+  const borders = (fields, at) => fields.flatMap((corners) => [...corners, corners[0]].map((corner) => corner[at]).concat(null));
+  const lines = {
+    type: "scatter3d", mode: "lines", x: [], y: [], z: [], line: { color: "#b5179e", width: 3 }, hoverinfo: "skip",
+    showlegend: false,
+  };
   const axis = (name, at) => ({
     ...(scene.frame ? { range: scene.frame[at] } : {}), nticks: 6, title: { text: name + " [mm]" },
     showspikes: false, showbackground: false, gridcolor: "#dfe3e7", zeroline: false,
   });
   /* Narrow pages need more room for the axes' names. Seen from above, the surface hides most of the z axis. */
   const distance = plot.clientWidth < 500 ? 2.1 : 1.95;
-  await Plotly.newPlot(plot, [mesh], {
+  await Plotly.newPlot(plot, [mesh, lines], {
     margin: { l: 0, r: 0, t: 0, b: 0 }, paper_bgcolor: "rgba(0,0,0,0)",
     scene: {
       aspectmode: "data", xaxis: axis("x", 0), yaxis: axis("y", 1), zaxis: { ...axis("z", 2), visible: false },
@@ -75,7 +81,10 @@ async function start() {
     await Plotly.restyle(plot, {
       intensity: [Array.from(shadesOf(number))], colorscale: [bands(colouring.shades)], cmin: -0.5,
       cmax: colouring.shades.length - 0.5,
-    });
+    }, [0]);
+    await Plotly.restyle(plot, {
+      x: [borders(colouring.fields, 0)], y: [borders(colouring.fields, 1)], z: [borders(colouring.fields, 2)],
+    }, [1]);
     plot.dataset.shown = String(number);
   }
 

@@ -72,6 +72,15 @@ LAYOUTS = {
         r"focus is .*; it must be 3 finite numbers", ring=ring(focus_mm=[0, 0, float("inf")])
     ),
     "layout with no axis": layout(r"ring axis is the zero vector", ring=ring(axis=[0, 0, 0])),
+    "layout with a word for a roll": layout(
+        r"roll is 'flat'; it must be \"radial\", .* or a number", ring=ring(roll="flat")
+    ),
+    "layout with too few rolls": layout(r"rolls are .*; they must be 2 numbers, one for each camera", rolls_deg=[1.0]),
+    "layout with words for rolls": layout(r'"rolls_rad" must be a list of at least one number', rolls_rad=["a", "b"]),
+    "layout rolls that disagree": layout(
+        r'"rolls_deg" and "rolls_rad" are not the same angles', rolls_deg=[0, 90], rolls_rad=[0, 1]
+    ),
+    "layout roll not a number": layout(r"rolls .* not all finite", rolls_deg=[0, float("nan")]),
     "layout with a misspelt part of a ring": layout(
         r"there is no field 'focus' in \"ring\"; did you mean focus_mm\?", ring=ring(focus=[0, 0, 1])
     ),

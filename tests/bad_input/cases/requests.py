@@ -27,6 +27,10 @@ RIGS = {
         r"cannot read rig file .*no\.toml: No such file .*; camring rig init writes one",
         lambda folder: rig_file.read(folder / "no.toml"),
     ),
+    "two rolls": rig(
+        "[ring]\nroll = 'tangential'\nroll_deg = 5\n", r"roll and roll_deg in \[ring\] both say how sensors are turned"
+    ),
+    "roll of no kind": rig("[ring]\nroll = 'flat'\n", r"roll is 'flat'; it must be", exact.ExactError),
     "misspelt key": rig("[ring]\ndiametre = 30\n", r"no key 'diametre' in \[ring\]; did you mean diameter\?"),
     "misspelt section": rig("[camera]\ncount = 3\n", r"no section \[camera\]; did you mean \[cameras\]\?"),
     "key in the wrong section": rig("[ring]\ncount = 3\n", r"count in \[ring\] is in the wrong place; .*\[cameras\]"),
@@ -49,6 +53,10 @@ RIGS = {
     ),
     "ring lost in a far focus": rig("[ring]\nfocus = [0, 0, 1e18]\n", r"focus is .*at most 1e\+09", exact.ExactError),
 }
+
+
+def ringed(message: str, *options: object) -> Case:
+    return Case(lambda folder: ("ring", part(folder), *options, "--out", folder / "rings"), message)
 
 
 def evaluated(message: str, *options: object, library: Callable[[], object] | None = None) -> Case:
@@ -79,6 +87,26 @@ OPTIONS = {
     "one number for a field of view": evaluated(r"--fov is '36'.*36x24", "--cameras", 2, "--fov", "36"),
     "words for an angle": evaluated(r"--angles-deg is '0,ninety'", "--angles-deg", "0,ninety"),
     "no layout at all": evaluated(r"exactly one way"),
+    "diameters in words": ringed(r"--diameter is 'wide'; it must be lengths in millimetres", "--diameter", "wide"),
+    "diameters without a step": ringed(r"--diameter is '20:40'; it must be lengths", "--diameter", "20:40"),
+    "diameters that go down": ringed(r"--diameter is '40:20:5'; it must be lengths", "--diameter", "40:20:5"),
+    "diameters in no steps": ringed(r"--diameter is '20:40:0'; it must be lengths", "--diameter", "20:40:0"),
+    "distances without end": ringed(
+        r"--working-distance is '1:9:1e-9'; .*at most 100 of them", "--working-distance", "1:9:1e-9"
+    ),
+    "diameter of nothing": ringed(r"ring diameter is 0.*; it must be positive", "--diameter", "0,20"),
+    "fields of view in words": ringed(r"--fov is 'wide'; it must be width x height", "--fov", "36x24,wide"),
+    "too many rings": ringed(
+        r"these are 2500 rings; ask for at most 2000", "--diameter", "1:50:1", "--working-distance", "301:350:1"
+    ),
+    "rings too narrow for the cameras": ringed(
+        r"none of the 2 rings can hold the cameras; of the first, 4 cameras at 5 mm need a ring of at least 7\.1 mm",
+        "--diameter",
+        "5,6",
+    ),
+    "two options of roll": evaluated(
+        r"--roll and --roll-deg both say how sensors are turned", "--cameras", 2, "--roll", "radial", "--roll-deg", 5
+    ),
     "negative ring diameter": evaluated(r"ring diameter is -1", "--cameras", 2, "--diameter", -1),
     "scale of 0": evaluated(r"scale is 0\.0; needed is a positive number", "--cameras", 2, "--scale", 0),
     "no camera": evaluated(r"number of cameras is 0; .*at least 1", "--cameras", 0),

@@ -62,9 +62,9 @@ def difference(scene, cameras, i, changed, step, asked):
     return (4 * one - two) / 3, np.abs(one - two)
 
 
-def compare(scene, angles, least_smooth=0.85, relative=1e-6, **asked):
+def compare(scene, angles, least_smooth=0.85, relative=1e-6, ring=RING, **asked):
     """Hold all derivatives by one camera against central differences wherever these agree among themselves."""
-    ring, cameras, i = RING, RING.cameras(angles), 1
+    cameras, i = ring.cameras(angles), 1
     found = exact.gradient(scene, cameras, **asked)
     every = [found, *found.by_level]
     around = [one.on_ring(ring) for one in every]
@@ -97,6 +97,13 @@ def crossing_boxes():
 def test_central_differences(make):
     rng = np.random.default_rng(4)
     compare(exact.Scene(make()), rng.uniform(0, 2 * np.pi, 3), threshold=3)
+
+
+@pytest.mark.parametrize("roll", ["tangential", 0.0, 2.2])
+def test_central_differences_of_rolled_cameras(roll):
+    rng = np.random.default_rng(4)
+    ring = replace(RING, roll=roll, axis=(0.1, -0.2, 0.9))
+    compare(exact.Scene(AWKWARD["channel"]()), rng.uniform(0, 2 * np.pi, 3), ring=ring)
 
 
 @pytest.mark.parametrize(

@@ -32,6 +32,17 @@ LAYOUTS = {
         [0, 180],
         None,
     ),
+    "one direction": (
+        {"diameter_mm": 40, "working_distance_mm": 300, "fov_mm": [60, 40], "axis": [0.1, 0.2, 1], "roll": 0.7},
+        [30, 200],
+        None,
+    ),
+    "rolls of their own": (
+        {"diameter_mm": 40, "working_distance_mm": 300, "fov_mm": [60, 40], "roll": "tangential"},
+        [30, 200, 300],
+        None,
+        [-35.0, 12.5, 100.0],
+    ),
 }  # fmt: skip
 ALL = "colmap,transforms,opencv,glb,csv"
 
@@ -44,8 +55,9 @@ def scan(tmp_path_factory):
     return path
 
 
-def write_layout(path, ring, angles_deg, mesh=None):
+def write_layout(path, ring, angles_deg, mesh=None, rolls_deg=None):
     content = {"format": "camring layout", "version": 1, "ring": ring, "angles_deg": angles_deg}
+    content |= {} if rolls_deg is None else {"rolls_deg": rolls_deg}
     path.write_text(json.dumps(content | ({} if mesh is None else {"mesh": mesh})), encoding="utf-8")
     return path
 
@@ -54,8 +66,8 @@ class Exported:
     """A layout with everything exported from it, and where its cameras see some points according to `exact`."""
 
     def __init__(self, folder, name, scan):
-        ring, angles, resolution = LAYOUTS[name]
-        write_layout(folder / "layout.json", ring, angles)
+        ring, angles, resolution, *rolls = LAYOUTS[name]
+        write_layout(folder / "layout.json", ring, angles, None, *rolls)
         self.folder, self.scan, self.angles_deg = folder / "out", scan, angles
         size = [] if resolution is None else ["--resolution", f"{resolution[0]}x{resolution[1]}"]
         with pytest.raises(SystemExit) as end:
@@ -64,13 +76,14 @@ class Exported:
         assert not end.value.code
         made = exact.Ring(
             ring["diameter_mm"], ring["working_distance_mm"], tuple(ring["fov_mm"]),
-            ring.get("focus_mm", (0, 0, 0)), ring.get("axis", (0, 0, 1)),
+            ring.get("focus_mm", (0, 0, 0)), ring.get("axis", (0, 0, 1)), roll=ring.get("roll", "radial"),
         )  # fmt: skip
+        rolls = [np.radians(one) for one in rolls]
         self.resolution = resolution or (3600, round(3600 * made.fov[1] / made.fov[0]))
         self.points = np.array(made.focus) + np.random.default_rng(7).uniform(-25, 25, (200, 3))
         self.cameras = [
             exact.Camera(c.position, c.rotation, c.target_distance, c.fov, np.array(self.resolution, dtype=float))
-            for c in made.cameras(np.radians(angles))
+            for c in made.cameras(np.radians(angles), *rolls)
         ]
         self.names = [f"camera_{number:02d}" for number in range(1, len(angles) + 1)]
 

@@ -1,0 +1,1 @@
+"""Which ring: the same request on many rings, one layout each."""
