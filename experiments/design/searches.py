@@ -26,9 +26,9 @@ from experiments.report import page
 from experiments.request import layout_file
 from experiments.request.request import Request
 from placement.layouts.arcs import LayoutSpace
-from placement.search.steps import polish_by_steps
 from placement.search.ring_maximum import RingMaximum
 from placement.search.scoring import ExactScorer
+from placement.search.steps import polish_by_steps
 from placement.sites import checked_sites
 
 Tell = Callable[[str, Any], None]
