@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from placement.results import Candidate, Placement, SearchRecord, SiteResult
     from placement.robustness import Consensus, Robustness, consensus, robustness
     from placement.search.equidistant import best_equidistant_phase
+    from placement.search.refined_ring import RefinedRing, refine_ring
     from placement.settings import Settings
     from placement.sites import falloff
     from placement.surrogate.surrogate import soft_coverage
@@ -39,6 +40,7 @@ __all__ = [
     "PlacementError",
     "Problem",
     "Recommendation",
+    "RefinedRing",
     "Robustness",
     "SearchRecord",
     "Settings",
@@ -57,6 +59,7 @@ __all__ = [
     "place",
     "recommend",
     "recommend_count",
+    "refine_ring",
     "robustness",
     "soft_coverage",
     "tradeoff",

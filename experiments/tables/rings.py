@@ -53,6 +53,7 @@ def ring_row(ring: dict[str, Any], result: dict[str, Any], counted: Sequence[flo
     row["separation_left_mm"] = None if smallest is None else smallest - least
     row["undominated"] = False
     row["ring_angles_deg"] = [] if made is None else made["angles_deg"]
+    row["rolls_deg"] = [] if made is None else made.get("rolls_deg", [])
     row["equidistant_phase_deg"] = None if made is None else made["best_equidistant_phase_deg"]
     row["refused"] = result.get("refused", "")
     return row
@@ -106,4 +107,46 @@ def ring_table(rows: Sequence[dict[str, Any]]) -> Table:
             "" if row["rms_error_mm"] is None else f"{row['rms_error_mm']:.4f}",
             "" if separation is None else f"{separation:.2f}, {row['separation_left_mm']:.2f}",
         )  # fmt: skip
+    return shown
+
+
+def refined_row(start: dict[str, Any], result: dict[str, Any]) -> dict[str, Any]:
+    """Figures of a ring moved from where another was: `start` is the layout of that one, as of a layout file."""
+    made, rings = result["layout"], (start["ring"], result["layout"]["ring"])
+    (d0, h0), (d1, h1) = ((ring["diameter_mm"], ring["working_distance_mm"]) for ring in rings)
+    return {
+        "start_diameter_mm": d0,
+        "start_working_distance_mm": h0,
+        "diameter_mm": d1,
+        "working_distance_mm": h1,
+        "fov_width_mm": rings[1]["fov_mm"][0],
+        "fov_height_mm": rings[1]["fov_mm"][1],
+        "area_mm2": made["areas_mm2"][PROPOSED],
+        "start_area_mm2": start["areas_mm2"][PROPOSED],
+        "fraction_of_counted_area": result["fraction_of_counted_area"],
+        "rms_error_mm": made["rms_errors_mm"][PROPOSED],
+        "start_rms_error_mm": start["rms_errors_mm"][PROPOSED],
+        "smallest_separation_mm": made["smallest_separation_mm"],
+        "ring_angles_deg": made["angles_deg"],
+        "rolls_deg": made.get("rolls_deg", []),
+    }
+
+
+def refined_table(rows: Sequence[dict[str, Any]]) -> Table:
+    """For the terminal."""
+    shown = table(
+        "from [mm]", "to diameter x\ndistance [mm]", "exact area\n[mm²]", "more than\nthere", "RMS error,\nthere [mm]",
+        "smallest sepa-\nration [mm]",
+    )  # fmt: skip
+    for row in rows:
+        errors = [row[name] for name in ("rms_error_mm", "start_rms_error_mm")]
+        separation = row["smallest_separation_mm"]
+        shown.add_row(
+            f"{row['start_diameter_mm']:g} x {row['start_working_distance_mm']:g}",
+            f"{row['diameter_mm']:.2f} x {row['working_distance_mm']:.2f}",
+            f"{row['area_mm2']:.2f}",
+            f"{row['area_mm2'] - row['start_area_mm2']:+.2f}",
+            "" if None in errors else "{:.4f}, {:.4f}".format(*errors),
+            "" if separation is None else f"{separation:.2f}",
+        )
     return shown

@@ -24,6 +24,11 @@ QUICK = Settings(
     ring_cameras=16, certificate_step=float(np.radians(15)),
 )  # fmt: skip
 LAYOUT = np.radians([20.0, 60.0, 200.0, 240.0])  # neighbours are 10.3 mm apart, others more than 28 mm
+# What functions about one layout ask for beside mesh and ring.
+OF_LAYOUTS = {
+    "triangulation": {"angles": LAYOUT},
+    "refine_ring": {"angles": LAYOUT, "diameter": (20.0, 40.0), "working_distance": (300.0, 500.0)},
+}
 
 
 @pytest.fixture(scope="module")
@@ -66,6 +71,9 @@ def test_a_further_field_works_in_every_search(wall, wider):
     assert [one.placement.demand.baseline for one in count.counts] == [29.0] * len(count.counts)
     problem = placement.Problem(wall, RING, settings=QUICK, **more)
     assert problem.optimise(3, certify=False).area == found.area
+    still = {"diameter": (30.0, 30.0), "working_distance": (400.0, 400.0)}
+    one, other = (placement.refine_ring(wall, RING, LAYOUT, **still, **asked) for asked in (more, less))
+    assert one.angles == other.angles and one.area == other.area
     kept = placement.robustness(problem, found.angles, n_mountings=1)
     assert kept.fraction == pytest.approx(found.fraction, rel=1e-12)
 
@@ -73,7 +81,7 @@ def test_a_further_field_works_in_every_search(wall, wider):
 @pytest.mark.parametrize(
     "function",
     [exact.evaluate, exact.areas, exact.gradient, exact.OneMore, exact.OneMoreView, placement.optimise,
-     placement.certify, placement.recommend_count, placement.Problem, placement.triangulation],
+     placement.certify, placement.recommend_count, placement.Problem, placement.triangulation, placement.refine_ring],
 )  # fmt: skip
 def test_help_shows_every_keyword_and_no_other_is_taken(wall, function):
     shown = inspect.signature(function).parameters
@@ -84,7 +92,7 @@ def test_help_shows_every_keyword_and_no_other_is_taken(wall, function):
     assert expected <= set(shown)
     with pytest.raises(TypeError, match=r"unexpected keyword argument 'treshold'; did you mean 'threshold'\?"):
         function(wall, *([RING.cameras(LAYOUT)] if function.__module__.startswith("exact") else [RING]), treshold=2,
-                 **({"angles": LAYOUT} if function is placement.triangulation else {}))  # fmt: skip
+                 **OF_LAYOUTS.get(function.__name__, {}))  # fmt: skip
 
 
 def test_a_demand_or_a_scene_is_given_whole_or_in_keywords(wall):

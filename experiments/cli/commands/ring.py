@@ -19,15 +19,16 @@ from experiments.request import layout_file
 from experiments.request import rig as rig_file
 from experiments.request.option_text import parse_fov, parse_steps
 from experiments.request.request import Request, request
-from experiments.rings.tasks import Asked, counted_areas
+from experiments.rings.tasks import Asked
 from experiments.sweeps.record import write_record
 from experiments.sweeps.sweep import shown_sweep
 from experiments.sweeps.task import Outcome
-from experiments.tables.rings import mark_undominated, ring_row, ring_table
+from experiments.tables.rings import mark_undominated, refined_row, refined_table, ring_row, ring_table
 from experiments.terminal.console import note, print_json, terminal
+from placement.search.refined_ring import counted_area
 
 TABLE, PICTURE, RECORD = OUTPUTS = ("rings.csv", "rings.png", "record.json")
-LAYOUTS, TASKS = "layouts", "tasks"
+REFINED, LAYOUTS, REFINED_LAYOUTS, TASKS = "refined.csv", "layouts", "refined", "tasks"
 # More rings are a slip of a step, or a matter of days.
 MOST_RINGS = 2000
 
@@ -40,6 +41,7 @@ def run(
     diameter: str | None,
     working_distance: str | None,
     fov: str | None,
+    refine: bool,
     depth: float | None,
     detail: str | None,
     scheduler: str | None,
@@ -52,6 +54,8 @@ def run(
     first = None if fov is None else fov.partition(",")[0]
     asked = request(meshes, depth, detail, rig_file.rig(rig_path, **options, fov=first, certify=False))
     every = rings(asked.ring, diameter, working_distance, fov)
+    if refine and len({(ring.diameter, ring.working_distance) for ring in every}) == 1:
+        raise InputError("--refine needs room: give --diameter or --working-distance a range, as in 20:40:5")
     refused = {number: why for number, ring in enumerate(every) if (why := _why_not(asked, ring))}
     if len(refused) == len(every):
         raise placement.PlacementError(
@@ -64,7 +68,7 @@ def run(
     outcomes, pool, n_resumed = shown_sweep("rings", list(tasks.values()), out / TASKS, scheduler)
     found: dict[int, Outcome] = dict(zip(tasks, outcomes, strict=True))
     results = [_result(found.get(number), refused.get(number, "")) for number in range(len(every))]
-    counted = counted_areas(asked)
+    counted = [counted_area(pose.scene) for pose in asked.poses]
     shares = None if asked.rig.objective == "worst" else _shares(asked)
     rows = [
         ring_row(layout_file.ring_content(ring), result, counted, shares)
@@ -76,8 +80,21 @@ def run(
         raise placement.PlacementError(
             f"none of the {len(every)} rings has a layout; of the first, {rows[0]['refused']}"
         )
+    starts = [result["layout"] for row, result in zip(rows, results, strict=True) if refine and row["undominated"]]
+    further = [sweep.refinement(start, *_bounds(every)) for start in starts]
+    moved, _, n_moved = shown_sweep("refining", further, out / TASKS, scheduler) if further else ([], "", 0)
+    tasks |= {len(every) + number: task for number, task in enumerate(further)}
+    outcomes, n_resumed = [*outcomes, *moved], n_resumed + n_moved
+    failures += [outcome.failure for outcome in moved if outcome.failure]
+    refined = [
+        refined_row(start, outcome.result)
+        for start, outcome in zip(starts, moved, strict=True) if outcome.result is not None
+    ]  # fmt: skip
+    if refined:
+        write_table(out / REFINED, refined)
     write_table(out / TABLE, rows)
-    _write_layouts(out / LAYOUTS, every, results)
+    _write_layouts(out / LAYOUTS, [result["layout"] for result in results if "layout" in result])
+    _write_layouts(out / REFINED_LAYOUTS, [outcome.result["layout"] for outcome in moved if outcome.result is not None])
     if any(row["area_mm2"] is not None for row in rows):
         n = asked.rig.n_cameras
         write_rings(out / PICTURE, f"{asked.name}: {n} camera{'s' if n > 1 else ''} on rings of each size", rows)
@@ -86,10 +103,13 @@ def run(
     wall = time.monotonic() - started
     write_record(out / RECORD, settings, hashes, list(tasks.values()), outcomes, pool, wall, n_resumed)
     if as_json:
-        print_json({"counted_area_mm2": sum(counted) / asked.n_poses, "rings": rows})
+        print_json({"counted_area_mm2": sum(counted) / asked.n_poses, "rings": rows, "refined": refined})
     else:
         _print(asked, counted, rows)
-    note(f"wrote {', '.join(str(out / name) for name in OUTPUTS)} and {out / LAYOUTS}")
+        if refined:
+            terminal().print(refined_table(refined))
+    files = (*OUTPUTS, *[REFINED] * bool(refined), LAYOUTS, *[REFINED_LAYOUTS] * bool(refined))
+    note(f"wrote {', '.join(str(out / name) for name in files)}")
     if failures:
         raise TargetMissed(f"{len(failures)} of {len(tasks)} rings failed, the first with {failures[0]}")
 
@@ -140,24 +160,30 @@ def _shares(asked: Request) -> np.ndarray:
     return weights / weights.sum()
 
 
-def _write_layouts(folder: Path, every: Sequence[exact.Ring], results: Sequence[dict[str, Any]]) -> None:
-    """A layout file for each ring that has one."""
-    output_folder(folder, (), force=True)
-    for ring, result in zip(every, results, strict=True):
-        if "layout" in result:
-            layout_file.write(folder / f"{layout_name(ring)}.json", result["layout"])
+def _bounds(every: Sequence[exact.Ring]) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Least and greatest diameter and working distance [mm]."""
+    diameters, distances = zip(*((ring.diameter, ring.working_distance) for ring in every), strict=True)
+    return (min(diameters), max(diameters)), (min(distances), max(distances))
 
 
-def layout_name(ring: exact.Ring) -> str:
-    """Name of the layout file of a ring, without its ending.
+def _write_layouts(folder: Path, layouts: Sequence[dict[str, Any]]) -> None:
+    """A file for each layout, named by its ring."""
+    if layouts:
+        output_folder(folder, (), force=True)
+    for layout in layouts:
+        layout_file.write(folder / f"{layout_name(layout['ring'])}.json", layout)
+
+
+def layout_name(ring: dict[str, Any]) -> str:
+    """Name of the layout file of a ring, as it stands in one, without its ending.
 
     Examples
     --------
-    >>> layout_name(exact.Ring(diameter=22.5))
+    >>> layout_name(layout_file.ring_content(exact.Ring(diameter=22.5)))
     'd22.5_h400_fov36x24'
     """
-    width, height = ring.fov
-    return f"d{ring.diameter:.9g}_h{ring.working_distance:.9g}_fov{width:.9g}x{height:.9g}"
+    width, height = ring["fov_mm"]
+    return f"d{ring['diameter_mm']:.9g}_h{ring['working_distance_mm']:.9g}_fov{width:.9g}x{height:.9g}"
 
 
 def _print(asked: Request, counted: Sequence[float], rows: Sequence[dict[str, Any]]) -> None:

@@ -29,6 +29,13 @@ def ring(
             help="fields of view at the focus [mm], separated by commas, as in 36x24,48x32", show_default="the rig's"
         ),
     ] = None,
+    refine: Annotated[
+        bool,
+        typer.Option(
+            "--refine",
+            help="from each ring that no other beats, move diameter, distance and cameras together within these ranges",
+        ),
+    ] = False,
     rig: opt.RigFile = None,
     depth: opt.Depth = None,
     detail: opt.Detail = None,
@@ -47,6 +54,6 @@ def ring(
     from experiments.cli.commands import ring as command_ring
 
     command_ring.run(
-        meshes, rig, options, diameter=diameter, working_distance=working_distance, fov=fov, depth=depth, detail=detail,
-        scheduler=scheduler, out=out, force=force, as_json=json,
+        meshes, rig, options, diameter=diameter, working_distance=working_distance, fov=fov, refine=refine, depth=depth,
+        detail=detail, scheduler=scheduler, out=out, force=force, as_json=json,
     )  # fmt: skip

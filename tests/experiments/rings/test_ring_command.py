@@ -119,3 +119,27 @@ def test_the_ring_of_optimise_has_the_layout_of_optimise(camring, desk, tmp_path
     one, other = read(tmp_path / "one" / "layout.json"), read(tmp_path / "rings" / "layouts" / "d30_h400_fov36x24.json")
     assert one.ring == other.ring and one.angles.tolist() == other.angles.tolist()
     assert one.content["areas_mm2"] == other.content["areas_mm2"]
+
+
+def test_refined_rings_have_more_area_within_the_ranges(camring, desk, tmp_path):
+    out = tmp_path / "rings"
+    status, printed, err = camring(
+        *asked(desk, "--diameter", "20,40", "--working-distance", "250", "--refine", "--out", out)
+    )
+    assert status == 0, err
+    assert "more than" in printed and "refined.csv" in err
+    with (out / "rings.csv").open(encoding="utf-8") as file:
+        undominated = [row for row in csv.DictReader(file) if row["undominated"] == "True"]
+    with (out / "refined.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["start_area_mm2"] for row in rows] == [row["area_mm2"] for row in undominated]
+    mesh = meshes.load(desk / "trench.stl")
+    for row in rows:
+        assert 20 <= float(row["diameter_mm"]) <= 40 and float(row["working_distance_mm"]) == 250
+        assert float(row["area_mm2"]) >= float(row["start_area_mm2"])
+        made = read(out / "refined" / f"d{float(row['diameter_mm']):.9g}_h250_fov36x24.json")
+        own = exact.evaluate(mesh, made.ring.cameras(made.angles), demand=made.demand)
+        assert float(row["area_mm2"]) == pytest.approx(own.area, rel=1e-9)
+        assert float(row["rms_error_mm"]) == pytest.approx(own.error_rms, rel=1e-7)
+    status, _, err = camring(*asked(desk, "--diameter", "20", "--refine", "--out", tmp_path / "one"))
+    assert status == 2 and "--refine needs room" in err
