@@ -21,8 +21,7 @@ NEIGHBOURS = 3
 TOLERANCES = (0.1, 0.2, 0.3, 0.5)
 # The one of the headline [mm].
 TOLERANCE = 0.3
-# Reconstructed points farther from the surface are of no place on it, and in none of the accuracies; greater distances
-# are not looked into [mm].
+# Reconstructed points farther from the surface are of no place on it; greater distances are not looked into [mm].
 ASTRAY = 2.0
 
 
@@ -58,7 +57,9 @@ class Samples:
     sigma: np.ndarray
 
     @staticmethod
-    def of(scene: exact.Scene, cameras: Sequence[exact.Camera], demand: exact.Demand, seed: int) -> "Samples":
+    def of(
+        scene: exact.Scene, cameras: Sequence[exact.Camera], demand: exact.Demand, seed: int, n: int = N_SAMPLES
+    ) -> "Samples":
         """Sample what is seen of a scene, cut exactly where the set of cameras that see it changes.
 
         Raises
@@ -75,7 +76,7 @@ class Samples:
             raise InputError(
                 "no camera sees any part of the mesh that counts; check where it lies with camring evaluate"
             )
-        points, triangle = drawn(cut, N_SAMPLES, weight, seed)
+        points, triangle = drawn(cut, n, weight, seed)
         faces = np.asarray(cut.face_attributes["parent"])[triangle]
         seen = sets.seen[number[triangle]]
         normals = np.asarray(scene.everything.face_normals)[faces]
@@ -138,6 +139,8 @@ class Comparison:
         How far each is from the surface, above it positive [mm].
     sample : (P,) ndarray
         The sample nearest to each.
+    astray : float
+        Share of all reconstructed points that are more than 2 mm from any surface.
     """
 
     samples: Samples
@@ -145,6 +148,7 @@ class Comparison:
     points: np.ndarray
     error: np.ndarray
     sample: np.ndarray
+    astray: float
 
     def area(self, tolerance: float = TOLERANCE, chosen: np.ndarray | None = None) -> float:
         """Area [mm²] with a reconstructed point this near [mm], of all or of that of the `chosen` samples."""
@@ -157,20 +161,19 @@ class Comparison:
 
     def accuracy(self, chosen: np.ndarray | None = None) -> float:
         """Robust standard deviation of the points about the surface, along its normal [mm]; nan of none."""
-        near = np.abs(self.error) <= ASTRAY
-        return robust(self.error[near if chosen is None else near & chosen[self.sample]])
+        return robust(self.error if chosen is None else self.error[chosen[self.sample]])
 
     def predicted(self, noise: float, chosen: np.ndarray | None = None) -> float:
         """The median of what is predicted for the same points at this noise of matches [pixels]."""
-        near = (np.abs(self.error) <= ASTRAY) & np.isfinite(self.samples.sigma[self.sample])
-        near = near if chosen is None else near & chosen[self.sample]
-        return float(noise * np.median(self.samples.sigma[self.sample[near]])) if near.any() else float("nan")
+        known = np.isfinite(self.samples.sigma[self.sample])
+        known = known if chosen is None else known & chosen[self.sample]
+        return float(noise * np.median(self.samples.sigma[self.sample[known]])) if known.any() else float("nan")
 
 
 def compared(samples: Samples, scene: exact.Scene, points: np.ndarray, seed: int) -> Comparison:
     """Measure reconstructed points (P, 3) [mm] against the surface.
 
-    Points that lie nearest to what does not count, such as the top surface, are left out.
+    Points that lie nearest to what does not count, such as the top surface, are left out, and those that are astray.
     """
     found = KDTree(points) if len(points) else None
     distance = np.full(len(samples.points), np.inf)
@@ -179,13 +182,16 @@ def compared(samples: Samples, scene: exact.Scene, points: np.ndarray, seed: int
     if len(points) > MOST_POINTS:
         points = points[np.sort(np.random.default_rng(seed).choice(len(points), MOST_POINTS, replace=False))]
     if found is None:
-        return Comparison(samples, distance, points, np.zeros(0), np.zeros(0, dtype=np.int64))
+        return Comparison(samples, distance, points, np.zeros(0), np.zeros(0, dtype=np.int64), 0.0)
     everything = scene.everything
     rest = _rest(scene, len(samples.points), float(samples.areas.sum()), seed)
     around = KDTree(np.concatenate([samples.points, rest[0]]))
     faces = np.concatenate([samples.faces, rest[1]])
-    _, near = around.query(points, k=min(NEIGHBOURS, around.n))
-    near = near.reshape(len(points), -1)
+    near = np.asarray(around.query(points, k=NEIGHBOURS, distance_upper_bound=ASTRAY)[1])
+    known = near[:, 0] < around.n
+    astray = 1.0 - float(known.mean())
+    points, near = points[known], near[known]
+    near = np.where(near < around.n, near, near[:, :1])
     offset = np.stack([_offset(everything, faces[column], points) for column in near.T])
     best = np.argmin(np.linalg.norm(offset, axis=2), axis=0)
     number = np.arange(len(points))
@@ -194,7 +200,7 @@ def compared(samples: Samples, scene: exact.Scene, points: np.ndarray, seed: int
     gap = offset[best, number]
     above = np.einsum("ni,ni->n", gap, everything.face_normals[faces[sample]])
     error = np.copysign(np.linalg.norm(gap, axis=1), above)
-    return Comparison(samples, distance, points[counts], error[counts], sample[counts])
+    return Comparison(samples, distance, points[counts], error[counts], sample[counts], astray)
 
 
 def _rest(scene: exact.Scene, n_counted: int, counted_area: float, seed: int) -> tuple[np.ndarray, np.ndarray]:

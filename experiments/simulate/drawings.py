@@ -8,6 +8,7 @@ import trimesh
 from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.collections import PathCollection
+from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.ticker import PercentFormatter
 
@@ -93,7 +94,8 @@ def write_errors(path: Path, name: str, found: Sequence[Simulated]) -> None:
         demand = one.asked.demand
         counted = samples.within(demand.limits, demand, demand.max_error, demand.optics.match_noise)[::step]
         row[0].scatter(*place[order, :2].T, s=2.0, c=np.where(counted[order, None], *_two_colours()), linewidths=0)
-        row[0].set_title(figure_text(f"{one.asked.name}: predicted (blue), {one.predicted.area:.0f} mm²"))
+        title = f"{one.asked.name}: predicted to count (blue), {one.predicted.area:.0f} mm², or not"
+        row[0].set_title(figure_text(title))
         distance = np.minimum(one.comparison.distance[::step], SHOWN_ERROR)
         drawn = row[1].scatter(*place[order, :2].T, s=2.0, c=distance[order], cmap="magma_r", vmin=0.0,
                                vmax=SHOWN_ERROR, linewidths=0)  # fmt: skip
@@ -108,7 +110,7 @@ def write_errors(path: Path, name: str, found: Sequence[Simulated]) -> None:
 
 
 def _two_colours() -> tuple[np.ndarray, np.ndarray]:
-    return np.array([0.12, 0.37, 0.66]), np.array([0.85, 0.85, 0.85])
+    return np.array(to_rgb(BLUE)), np.array(to_rgb(ORANGE))
 
 
 def _across(axis: np.ndarray, zero_towards: tuple[float, float, float] | None) -> np.ndarray:

@@ -69,9 +69,9 @@ class Rectified:
         turned = [plain @ rotation @ camera.rotation.T @ np.linalg.inv(_centred(camera)) for camera in (one, two)]
         turned[1] = np.array([[1.0, 0.0, first], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]) @ turned[1]
         corners = [_corners(matrix, camera) for matrix, camera in zip(turned, (one, two), strict=True)]
-        # What both show, with room on both sides for all disparities.
-        low = np.max([corner.min(axis=0) for corner in corners], axis=0) - [2 * n_disparities, 0]
-        high = np.min([corner.max(axis=0) for corner in corners], axis=0) + [2 * n_disparities, 0]
+        # What both show, with room for all disparities where the matcher looks for them: on either side.
+        low = np.max([corner.min(axis=0) for corner in corners], axis=0) - [n_disparities, 0]
+        high = np.min([corner.max(axis=0) for corner in corners], axis=0) + [n_disparities, 0]
         low = np.floor(low)
         width, height = np.maximum(np.ceil(high - low).astype(int), 1)
         shift = np.array([[1.0, 0.0, -low[0]], [0.0, 1.0, -low[1]], [0.0, 0.0, 1.0]])

@@ -20,7 +20,7 @@ ERRORS_MM = (0.0, 0.002, 0.005, 0.01, 0.02, 0.03, 0.05, 0.1, 0.2, 0.5)
 
 # Of the table that is printed.
 HEADERS = (
-    "layout", "predicted\n[mm²]", "seen by\nenough [mm²]", "reconstructed to\n0.3 mm [mm²]", "of what\nis seen",
+    "layout", "predicted\n[mm²]", "seen by\nenough [mm²]", "measured to\n0.3 mm [mm²]", "of what\nis seen",
     "match noise\n[px]", "facing: σ_n\nmeasured [mm]", "σ_n predicted\n[mm]",
 )  # fmt: skip
 
@@ -75,6 +75,7 @@ def summary(found: Simulated) -> dict[str, Any]:
         "normal_std_mm": _both(found, seen),
         "normal_std_facing_mm": _both(found, facing),
         "points": found.n_points,
+        "astray_share_of_points": comparison.astray,
     }
 
 
