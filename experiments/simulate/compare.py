@@ -106,6 +106,25 @@ class Samples:
         """(N,) the second greatest density of pixels of the cameras that see it [px/mm²]; 0 of fewer."""
         return -_second(np.where(self.seen, -self.density, 0.0))
 
+    def gradient(self, cameras: Sequence[exact.Camera], pairs: Sequence[tuple[int, int]]) -> np.ndarray:
+        """(N,) disparity gradient: by how many pixels a match shifts from one pixel of an image to the next.
+
+        Of the pairs of cameras whose images are matched, that counts for each sample with which it is least; infinite
+        where no pair sees it. On a plane with normal n, h below the cameras, a pair with baseline b has the gradient
+        b |n - (n·v) v| / h, where v is the line of sight: b tan β / z at incidence β and depth z. The greater it is,
+        the more the images of a window differ, by being squeezed or slanted.
+        """
+        least = np.full(len(self.points), np.inf)
+        for i, j in pairs:
+            both = np.flatnonzero(self.seen[:, i] & self.seen[:, j])
+            one, two = cameras[i].position, cameras[j].position
+            away, normal = (one + two) / 2 - self.points[both], self.normals[both]
+            height = np.einsum("ni,ni->n", away, normal)
+            across = np.sqrt(np.maximum(1.0 - height**2 / np.einsum("ni,ni->n", away, away), 0.0))
+            gradient = np.linalg.norm(two - one) * across / height
+            least[both] = np.minimum(least[both], gradient)
+        return least
+
     def within(self, limits: exact.Limits, demand: exact.Demand, max_error: float | None, noise: float) -> np.ndarray:
         """(N,) whether cameras enough see it usably, to a normal error of at most `max_error` at a `noise` [pixels]."""
         usable = self.seen.copy()
@@ -158,6 +177,11 @@ class Comparison:
     def completeness(self, tolerance: float, chosen: np.ndarray) -> float:
         """Share of the area of the `chosen` samples with a reconstructed point this near [mm]; nan of none."""
         return self.area(tolerance, chosen) / float(self.samples.areas[chosen].sum()) if chosen.any() else float("nan")
+
+    def precision(self, tolerance: float) -> float:
+        """Share of the reconstructed points that are this near to the surface [mm]; nan of none."""
+        near = float((np.abs(self.error) <= tolerance).mean()) if len(self.error) else float("nan")
+        return (1.0 - self.astray) * near
 
     def accuracy(self, chosen: np.ndarray | None = None) -> float:
         """Robust standard deviation of the points about the surface, along its normal [mm]; nan of none."""

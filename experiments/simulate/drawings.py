@@ -2,14 +2,15 @@
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import trimesh
 from matplotlib import colormaps
 from matplotlib.axes import Axes
-from matplotlib.collections import PathCollection
-from matplotlib.colors import to_rgb
+from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
+from matplotlib.image import AxesImage
 from matplotlib.ticker import PercentFormatter
 
 from experiments.figures.palette import BLUE, GREY, ORANGE
@@ -21,18 +22,21 @@ from experiments.simulate.tables import classes
 
 # Errors that the colours tell apart [mm]; greater ones look like the greatest.
 SHOWN_ERROR = 0.3
-# Samples that are drawn: more would lie on top of each other.
-MOST_DRAWN = 60_000
+# Cells along the longer side of a picture from above: as fine as samples are.
+CELLS = 130
+# Classes that are drawn on a logarithmic scale.
+LOGARITHMIC = ("density [px/mm²]", "disparity gradient", "predicted error [mm]")
 LINES = (BLUE, ORANGE, "#4a8f3c", GREY)
 
 
 def write_prediction(path: Path, name: str, found: Sequence[Simulated]) -> None:
-    """prediction.png: what came out by incidence, density of pixels and number of views, and errors as predicted."""
-    figure = Figure(figsize=(11.0, 8.2), dpi=130, layout="constrained")
-    axes = figure.subplots(2, 2)
+    """prediction.png: what came out by incidence, density, disparity gradient and views, and errors as predicted."""
+    figure = Figure(figsize=(15.0, 8.2), dpi=110, layout="constrained")
+    axes = figure.subplots(2, 3)
     for one, colour in zip(found, LINES, strict=False):
         rows = list(classes(one))
-        for ax, by in zip(axes.flat, ("incidence [degrees]", "density [px/mm²]"), strict=False):
+        for ax, by in ((axes[0, 0], "incidence [degrees]"), (axes[0, 1], "density [px/mm²]"),
+                       (axes[0, 2], "disparity gradient"), (axes[1, 2], "views")):  # fmt: skip
             _shares(ax, [row for row in rows if row["by"] == by], colour, one.asked.name)
         _errors(axes[1, 0], [row for row in rows if row["by"] == "incidence [degrees]"], colour, one.asked.name)
         _measured_over_predicted(
@@ -40,6 +44,10 @@ def write_prediction(path: Path, name: str, found: Sequence[Simulated]) -> None:
         )
     axes[0, 0].set(xlabel="incidence, second best view [°]", title="what comes out, by incidence")
     axes[0, 1].set(xlabel="pixels to a mm² of surface, second best view", title="… by density of pixels", xscale="log")
+    axes[0, 2].set(
+        xlabel="disparity gradient [pixels to a pixel]", title="… by how unlike two images are", xscale="log"
+    )
+    axes[1, 2].set(xlabel="cameras that see it", title="… by number of views")
     axes[1, 0].set(xlabel="incidence, second best view [°]", ylabel="standard deviation along the normal [mm]",
                    title="accuracy: predicted (dotted) and measured", yscale="log")  # fmt: skip
     axes[1, 1].set(xlabel="predicted standard deviation along the normal [mm]", ylabel="measured [mm]",
@@ -56,7 +64,8 @@ def write_prediction(path: Path, name: str, found: Sequence[Simulated]) -> None:
 
 
 def _middles(rows: Sequence[dict]) -> list[float]:
-    return [(row["from"] + row["to"]) / 2 for row in rows]
+    return [row["from"] if row["by"] == "views" else np.sqrt(max(row["from"], row["to"] / 4) * row["to"])
+            if row["by"] in LOGARITHMIC else (row["from"] + row["to"]) / 2 for row in rows]  # fmt: skip
 
 
 def _shares(ax: Axes, rows: Sequence[dict], colour: str, name: str) -> None:
@@ -84,33 +93,36 @@ def write_errors(path: Path, name: str, found: Sequence[Simulated]) -> None:
     """errors.png: the surface from above, what is predicted to count and how far off it came out, layout by layout."""
     figure = Figure(figsize=(11.5, 0.6 + 5.0 * len(found)), dpi=130, layout="constrained")
     axes = figure.subplots(len(found), 2, squeeze=False)
-    drawn: PathCollection | None = None
+    shown: AxesImage | None = None
     for row, one in zip(axes, found, strict=True):
-        samples = one.comparison.samples
-        step = max(1, len(samples.points) // MOST_DRAWN)
+        samples, demand = one.comparison.samples, one.asked.demand
         frame = _across(np.asarray(one.asked.ring.axis, dtype=np.float64), one.asked.ring.zero_towards)
-        place = (samples.points[::step] - np.asarray(one.asked.ring.focus)) @ frame.T
-        order = np.argsort(place[:, 2])  # what lies nearest to the cameras on top
-        demand = one.asked.demand
-        counted = samples.within(demand.limits, demand, demand.max_error, demand.optics.match_noise)[::step]
-        row[0].scatter(*place[order, :2].T, s=2.0, c=np.where(counted[order, None], *_two_colours()), linewidths=0)
+        place = (samples.points - np.asarray(one.asked.ring.focus)) @ frame.T
+        counted = samples.within(demand.limits, demand, demand.max_error, demand.optics.match_noise)
+        _from_above(row[0], place, counted, cmap=ListedColormap([ORANGE, BLUE]), vmin=0, vmax=1)
         title = f"{one.asked.name}: predicted to count (blue), {one.predicted.area:.0f} mm², or not"
         row[0].set_title(figure_text(title))
-        distance = np.minimum(one.comparison.distance[::step], SHOWN_ERROR)
-        drawn = row[1].scatter(*place[order, :2].T, s=2.0, c=distance[order], cmap="magma_r", vmin=0.0,
-                               vmax=SHOWN_ERROR, linewidths=0)  # fmt: skip
+        distance = np.minimum(one.comparison.distance, SHOWN_ERROR)
+        shown = _from_above(row[1], place, distance, cmap="magma_r", vmin=0.0, vmax=SHOWN_ERROR)
         row[1].set_title(figure_text(f"measured within {TOLERANCE:g} mm: {one.comparison.area():.0f} mm²"))
-        for ax in row:
-            ax.set(aspect="equal", xlabel="[mm]", ylabel="[mm]")
-    if drawn is not None:
-        figure.colorbar(drawn, ax=axes[:, 1], label=f"to the nearest reconstructed point [mm], at most {SHOWN_ERROR:g}")
+    if shown is not None:
+        figure.colorbar(shown, ax=axes[:, 1], label=f"to the nearest reconstructed point [mm], at most {SHOWN_ERROR:g}")
     figure.suptitle(figure_text(f"{name}, from the ring"))
     with written_whole(path) as temporary:
         figure.savefig(temporary)
 
 
-def _two_colours() -> tuple[np.ndarray, np.ndarray]:
-    return np.array(to_rgb(BLUE)), np.array(to_rgb(ORANGE))
+def _from_above(ax: Axes, place: np.ndarray, values: np.ndarray, **how: Any) -> AxesImage:
+    """Draw values at places (N, 3) [mm] into cells, in each the one that lies nearest to the ring."""
+    low, high = place[:, :2].min(axis=0), place[:, :2].max(axis=0)
+    cell = float((high - low).max()) / CELLS
+    column, row = ((place[:, :2] - low) / cell).astype(np.int64).T
+    picture = np.full((row.max() + 1, column.max() + 1), np.nan)
+    order = np.argsort(place[:, 2])
+    picture[row[order], column[order]] = values[order]
+    ax.set(xlabel="[mm]", ylabel="[mm]")
+    extent = (low[0], low[0] + cell * picture.shape[1], low[1], low[1] + cell * picture.shape[0])
+    return ax.imshow(picture, origin="lower", extent=extent, interpolation="nearest", **how)
 
 
 def _across(axis: np.ndarray, zero_towards: tuple[float, float, float] | None) -> np.ndarray:

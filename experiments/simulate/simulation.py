@@ -143,6 +143,12 @@ class Simulated:
         """(N,) samples that cameras enough see, usably or not."""
         return self.comparison.samples.n_views >= self.asked.demand.threshold
 
+    @property
+    def gradient(self) -> np.ndarray:
+        """(N,) disparity gradient at each sample, of the matched pair with which it is least."""
+        cameras = [one.camera for one in self.asked.cameras]
+        return self.comparison.samples.gradient(cameras, self.asked.matched)
+
 
 def prepare(asked: Asked, folder: Path) -> None:
     """Make a folder ready for images and cameras; images that are there already may be of use.

@@ -10,11 +10,12 @@ from experiments.simulate.compare import TOLERANCE, TOLERANCES
 from experiments.simulate.simulation import Simulated
 from experiments.simulate.truth import FACING
 
-# Borders of the classes: incidence of the second best view [degrees], pixels to a square millimetre of the surface as
-# the second best view has them, as parts of those of a surface at the focus that faces its camera, and predicted
-# standard deviations along the normal at the measured noise [mm].
+# Borders of the classes: incidence of the second best view [degrees]; pixels to a square millimetre of the surface as the
+# second best view has them, as parts of those of a surface at the focus that faces its camera; least disparity gradient
+# of a pair; and predicted standard deviations along the normal at the measured noise [mm].
 INCIDENCE_DEG = (0.0, 30.0, 45.0, 60.0, 70.0, 75.0, 80.0, 82.5, 85.0, 87.5, 90.0)
 DENSITY_PARTS = (0.0, 0.02, 0.04, 0.06, 0.08, 0.1, 0.15, 0.2, 0.3, 0.5, 0.7, 1.5)
+GRADIENTS = (0.0, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 0.85, 1.0, 1.2, 1.5, 2.0, 3.0, 10.0)
 ERRORS_MM = (0.0, 0.002, 0.005, 0.01, 0.02, 0.03, 0.05, 0.1, 0.2, 0.5)
 
 
@@ -35,6 +36,7 @@ def classes(found: Simulated) -> Iterator[dict[str, Any]]:
     for by, values, borders in (
         ("incidence [degrees]", np.degrees(samples.second_incidence), INCIDENCE_DEG),
         ("density [px/mm²]", samples.second_density, [round(most * part, 6) for part in DENSITY_PARTS]),
+        ("disparity gradient", found.gradient, GRADIENTS),
         ("predicted error [mm]", found.noise * samples.sigma, ERRORS_MM),
     ):
         for low, high in zip(borders[:-1], borders[1:], strict=True):
@@ -71,6 +73,7 @@ def summary(found: Simulated) -> dict[str, Any]:
         "seen_area_mm2": float(comparison.samples.areas[seen].sum()),
         "measured_areas_mm2": {f"{one:g}": comparison.area(one) for one in TOLERANCES},
         "measured_shares_of_seen": {f"{one:g}": comparison.completeness(one, seen) for one in TOLERANCES},
+        "measured_shares_of_points": {f"{one:g}": finite(comparison.precision(one)) for one in TOLERANCES},
         "match_noise_px": {"assumed": asked.demand.optics.match_noise, "measured": finite(found.noise)},
         "normal_std_mm": _both(found, seen),
         "normal_std_facing_mm": _both(found, facing),

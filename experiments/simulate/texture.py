@@ -1,5 +1,7 @@
 """Colours of the surface: those of tissue, from seeded noise in space, which hold at any density of pixels."""
 
+from functools import lru_cache
+
 import numpy as np
 from scipy import ndimage
 
@@ -14,6 +16,7 @@ DARK, BRIGHT = np.array([0.28, 0.04, 0.04]), np.array([0.92, 0.70, 0.60])
 CONTRAST = 4.0
 
 
+@lru_cache(maxsize=1)
 def tissue(seed: int) -> np.ndarray:
     """(128, 128, 128, 3) reflectances from 0 to 1, seamless where they repeat.
 

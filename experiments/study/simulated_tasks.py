@@ -10,27 +10,25 @@ import numpy as np
 
 import exact
 import meshes
-import placement
 from experiments.paper.areas import site_mesh
 from experiments.request.simulation import Simulation
 from experiments.simulate.compare import TOLERANCE
 from experiments.simulate.simulation import Asked, Simulated, simulate
 from experiments.simulate.tables import classes, summary
+from experiments.study.simulated_layouts import KINDS, Site, layouts, named
 from experiments.sweeps.task import Task
 
-# Kinds of layouts that are compared.
-KINDS = ("equidistant", "most area", "proposed")
 # What the matcher is expected to do to a pixel, standard deviation [pixels].
 MATCH_NOISE = 0.1
 # Predicted standard deviation along the normal with which a point counts: two of them are the tolerance [mm].
 MAX_ERROR = TOLERANCE / 2
-# Limits that are tried: greatest incidence [degrees] and least density of pixels [px/mm²].
+# Limits that are tried: greatest incidence [degrees], least density of pixels [px/mm²], and greatest disparity
+# gradient.
 INCIDENCES_DEG = tuple(np.arange(60.0, 90.1, 0.5).round(1).tolist())
 DENSITIES = tuple(np.geomspace(1.0, 1000.0, 61).round(3).tolist())
+GRADIENTS = tuple(np.geomspace(0.03, 30.0, 61).round(4).tolist())
 # Other parts of camring that make a result.
 PACKAGES = ("meshes", "exact", "experiments.simulate")
-
-Site = tuple[str, int]
 
 
 @dataclass(frozen=True)
@@ -71,29 +69,13 @@ class Plan:
         return Plan(sites, (2, 4, 6, 8), 720, (360, 1800), 4)
 
 
-def layouts(site: Sequence, detail: str, n_cameras: int) -> dict[str, Any]:
-    """Ring angles [degrees] of each kind of layout; `site` is its name, depth [mm] and fingerprint.
-
-    Examples
-    --------
-    >>> found = layouts(named(("circ_flat", 50), "coarse"), "coarse", 2)
-    >>> found["equidistant"]
-    [180.0, 360.0]
-    """
-    mesh = site_mesh(str(site[0]), int(site[1]), detail, str(site[2]))
-    ring = exact.Ring()
-    found = placement.optimise(mesh, ring, n_cameras=n_cameras, exclude=meshes.top_surface(mesh), certify=False)
-    angles = (ring.equidistant(n_cameras), found.most_area.angles, found.angles)
-    return {kind: np.degrees(one).round(9).tolist() for kind, one in zip(KINDS, angles, strict=True)}
-
-
 def reconstructed(site: Sequence, detail: str, angles_deg: Sequence[float], width: int, seed: int) -> dict[str, Any]:
     """What is predicted of a layout, and what is measured on its rendered images.
 
     Parameters
     ----------
     site, detail
-        As for `layouts`.
+        As for `simulated_layouts.layouts`.
     angles_deg : sequence of float
         Ring angles [degrees].
     width : int
@@ -139,24 +121,26 @@ def _limits(found: Simulated) -> dict[str, Any]:
     samples, demand = found.comparison.samples, found.asked.demand
     near = found.comparison.distance <= TOLERANCE
     made: dict[str, Any] = {"reconstructed": float(samples.areas[near].sum())}
-    kinds = {
-        "incidence": [exact.Limits(max_incidence=float(np.radians(min(one, 89.999)))) for one in INCIDENCES_DEG],
-        "density": [exact.Limits(min_pixel_density=one) for one in DENSITIES],
-    }
-    for name, limits in kinds.items():
-        for ending, error in (("", None), (" and error", MAX_ERROR)):
-            met = [samples.within(one, demand, error, MATCH_NOISE) for one in limits]
+    gradient = found.gradient
+    for ending, error in (("", None), (" and error", MAX_ERROR)):
+
+        def met_by(limits: exact.Limits, largest: float | None = error) -> np.ndarray:
+            return samples.within(limits, demand, largest, MATCH_NOISE)
+
+        anywhere = met_by(exact.Limits())
+        kinds = {
+            "incidence": [
+                met_by(exact.Limits(max_incidence=float(np.radians(min(one, 89.999))))) for one in INCIDENCES_DEG
+            ],
+            "density": [met_by(exact.Limits(min_pixel_density=one)) for one in DENSITIES],
+            "gradient": [anywhere & (gradient <= one) for one in GRADIENTS],
+        }
+        for name, met in kinds.items():
             made[name + ending] = {
                 "met": [float(samples.areas[one].sum()) for one in met],
                 "both": [float(samples.areas[one & near].sum()) for one in met],
             }
     return made
-
-
-def named(site: Site, detail: str) -> list:
-    """Name, depth [mm] and fingerprint of a reference site."""
-    name, depth = site
-    return [name, depth, meshes.EXPECTED[name, float(depth), detail].fingerprint]
 
 
 def layout_tasks(plan: Plan, detail: str) -> list[tuple[Site, int, Task]]:

@@ -56,12 +56,7 @@ def run(
     as_json: bool,
 ) -> None:
     """Simulate, print and write; `options` are those of the rig, by the names of their keys."""
-    missing = [name for module, name in NEEDED.items() if find_spec(module) is None]
-    if missing:
-        raise InputError(
-            f"camring simulate needs {', '.join(missing)}, which {'is' if len(missing) == 1 else 'are'} not installed; "
-            'pip install "camring[simulate]"'
-        )
+    refuse_without_extra("camring simulate")
     from experiments.simulate.simulation import Asked, prepare, simulate
 
     cameras, asked = _asked(mesh, rig_path, options, layout, depth, detail, quick, force)
@@ -87,6 +82,21 @@ def run(
         for one in wanted:
             found.append(simulate(one, out / one.name, progress))
     _tell(out, asked.name, found, as_json)
+
+
+def refuse_without_extra(command: str) -> None:
+    """Refuse a command where what renders and matches images is not installed.
+
+    Raises
+    ------
+    InputError
+    """
+    missing = [name for module, name in NEEDED.items() if find_spec(module) is None]
+    if missing:
+        raise InputError(
+            f"{command} needs {', '.join(missing)}, which {'is' if len(missing) == 1 else 'are'} not installed; "
+            'pip install "camring[simulate]"'
+        )
 
 
 def _asked(
