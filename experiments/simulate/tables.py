@@ -10,9 +10,9 @@ from experiments.simulate.compare import TOLERANCE, TOLERANCES
 from experiments.simulate.simulation import Simulated
 from experiments.simulate.truth import FACING
 
-# Borders of the classes: incidence of the second best view [degrees]; pixels to a square millimetre of the surface as the
-# second best view has them, as parts of those of a surface at the focus that faces its camera; least disparity gradient
-# of a pair; and predicted standard deviations along the normal at the measured noise [mm].
+# Borders of the classes: incidence of the second best view [degrees]; pixels to a square millimetre of the surface as
+# the second best view has them, as parts of those of a surface at the focus that faces its camera; least disparity
+# gradient of a pair; and predicted standard deviations along the normal at the measured noise [mm].
 INCIDENCE_DEG = (0.0, 30.0, 45.0, 60.0, 70.0, 75.0, 80.0, 82.5, 85.0, 87.5, 90.0)
 DENSITY_PARTS = (0.0, 0.02, 0.04, 0.06, 0.08, 0.1, 0.15, 0.2, 0.3, 0.5, 0.7, 1.5)
 GRADIENTS = (0.0, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 0.85, 1.0, 1.2, 1.5, 2.0, 3.0, 10.0)
