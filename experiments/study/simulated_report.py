@@ -52,12 +52,12 @@ def headline(rows: Sequence[SimulatedRow], limits: Sequence[LimitRow]) -> list[s
             f"{max(facing):.2f} times the predicted one, at a measured noise of {min(noise):.2f} to {max(noise):.2f} "
             "px."
         )
-    for kind, unit in (("incidence", "°"), ("density", " px/mm²")):
+    for kind, unit in (("incidence", "° of incidence"), ("density", " px/mm²"), ("gradient", " of disparity gradient")):
         for one in sorted({row.width_px for row in limits}):
             best = best_limit(limits, kind, one)
             row = next(row for row in limits if (row.kind, row.width_px, row.limit) == (kind, one, best))
             said.append(
-                f"At {one} px, what is matched is told best by {'at most' if kind == 'incidence' else 'at least'} "
+                f"At {one} px, what is matched is told best by {'at least' if kind == 'density' else 'at most'} "
                 f"{best:.3g}{unit}: wrong for {100 * row.disagree:.1f} % of what is seen."
             )
     together = ", ".join(f"{way} {rank_correlation(of, way):.3f}" for way in PREDICTIONS)
@@ -86,14 +86,14 @@ def page(rows: Sequence[SimulatedRow], limits: Sequence[LimitRow]) -> str:
             [
                 [
                     f"{row.site}, {row.depth_mm} mm", str(row.n_cameras), row.kind, str(row.width_px),
-                    *(_cell(row.predicted(way)) for way in ("no limits", "density", "density and error")),
+                    *(_cell(row.predicted(way)) for way in ("no limits", "density", "gradient and error")),
                     _cell(row.within_01_mm2), _cell(row.within_03_mm2), _cell(row.match_noise_px, 3),
                     _cell(row.facing_measured_mm, 4), _cell(row.facing_predicted_mm, 4),
                 ]
                 for row in rows
             ],
-            ["site", "cameras", "layout", "px", "predicted [mm²]", "with density", "and error", "within 0.1 mm [mm²]",
-             "within 0.3 mm", "noise [px]", "facing σ_n measured [mm]", "predicted"],
+            ["site", "cameras", "layout", "px", "predicted [mm²]", "with density", "gradient and error",
+             "within 0.1 mm [mm²]", "within 0.3 mm", "noise [px]", "facing σ_n measured [mm]", "predicted"],
         ),
     ]  # fmt: skip
     failed = [f"- {row.site}, {row.n_cameras} cameras, {row.kind}: {row.failure}" for row in rows if row.failure]
@@ -119,29 +119,31 @@ def _table(lines: list[list[str]], header: list[str]) -> str:
 
 def _write_figure(path: Path, rows: Sequence[SimulatedRow], limits: Sequence[LimitRow]) -> None:
     """Predicted beside measured, and how often each limit is wrong."""
-    figure = Figure(figsize=(12.0, 4.6), dpi=130, layout="constrained")
-    left, middle, right = figure.subplots(1, 3)
+    figure = Figure(figsize=(15.0, 4.4), dpi=110, layout="constrained")
+    left, *others = figure.subplots(1, 4)
     width = main_width(rows)
     of = [row for row in rows if row.width_px == width and not row.failure]
     for site, mark in zip(dict.fromkeys(row.site for row in of), MARKS, strict=False):
         for kind, colour in zip(KINDS, (GREY, ORANGE, BLUE), strict=True):
             chosen = [row for row in of if (row.site, row.kind) == (site, kind)]
-            left.plot([row.predicted("density and error") for row in chosen], [row.within_03_mm2 for row in chosen],
+            left.plot([row.predicted("gradient and error") for row in chosen], [row.within_03_mm2 for row in chosen],
                       mark, color=colour, ms=5, label=f"{site}, {kind}" if kind == "proposed" else None)  # fmt: skip
     low, high = left.get_xlim()
     left.plot([low, high], [low, high], ":", color=GREY)
-    left.set(xlabel="predicted, with density and error [mm²]", ylabel=f"reconstructed {TOLERANCE_WORDS} [mm²]",
+    left.set(xlabel="predicted, with gradient and error [mm²]", ylabel=f"reconstructed {TOLERANCE_WORDS} [mm²]",
              title="grey: equidistant, orange: most area")  # fmt: skip
     left.legend(frameon=False, fontsize=8)
-    for ax, kind, label in ((middle, "incidence", "greatest incidence [°]"), (right, "density", "least px/mm²")):
+    names = (("incidence", "greatest incidence [°]"), ("density", "least density [px/mm²]"),
+             ("gradient", "greatest disparity gradient"))  # fmt: skip
+    for ax, (kind, label) in zip(others, names, strict=True):
         for one, colour in zip(sorted({row.width_px for row in limits}), (ORANGE, BLUE, GREY), strict=False):
             curve = np.array([(row.limit, 100 * row.disagree) for row in limits
                               if (row.kind, row.width_px) == (kind, one)])  # fmt: skip
             ax.plot(*curve.T, color=colour, label=f"{one} px")
         ax.set(xlabel=label, ylabel="wrong, of what is seen [%]", ylim=(0, None))
         ax.legend(frameon=False, fontsize=8)
-    right.set(xscale="log")
-    for ax in (left, middle, right):
+        ax.set(xscale="linear" if kind == "incidence" else "log")
+    for ax in (left, *others):
         ax.grid(color="0.9")
         ax.spines[["top", "right"]].set_visible(False)
     with written_whole(path) as temporary:

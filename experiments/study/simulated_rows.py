@@ -8,18 +8,21 @@ import numpy as np
 from scipy.stats import spearmanr
 
 from experiments.simulate.compare import TOLERANCE
-from experiments.study.simulated_tasks import DENSITIES, INCIDENCES_DEG, MAX_ERROR
+from experiments.study.simulated_tasks import DENSITIES, GRADIENTS, INCIDENCES_DEG, MAX_ERROR
 from experiments.sweeps.task import Outcome
 
-# Ways to predict what comes out, in the order of the columns that hold their areas, and what each asks for.
-PREDICTIONS = ("no limits", "error", "incidence", "density", "incidence and error", "density and error")
+# Ways to predict what comes out that the exact evaluator has, in the order of the columns that hold their areas.
+EXACT = ("no limits", "error", "incidence", "density", "incidence and error", "density and error")
+# And those of which only samples tell.
+PREDICTIONS = (*EXACT, "gradient", "gradient and error")
 
 
 @dataclass(frozen=True)
 class SimulatedRow:
     """One layout: areas predicted and measured [mm²], noise of matches [pixels], accuracy on facing surfaces [mm].
 
-    Predicted areas are exact; None where a task failed.
+    Predicted areas are exact, but for those with a limit on the disparity gradient, which are sampled to 0.3 %; None
+    where a task failed.
     """
 
     site: str
@@ -34,6 +37,8 @@ class SimulatedRow:
     density_mm2: float | None = None
     incidence_and_error_mm2: float | None = None
     density_and_error_mm2: float | None = None
+    gradient_mm2: float | None = None
+    gradient_and_error_mm2: float | None = None
     seen_mm2: float | None = None
     within_01_mm2: float | None = None
     within_02_mm2: float | None = None
@@ -53,7 +58,7 @@ class SimulatedRow:
 class LimitRow:
     """One limit over all layouts of a resolution: sampled area that meets it, and what of it was reconstructed [mm²].
 
-    `kind` is "incidence" [degrees] or "density" [px/mm²], perhaps "and error".
+    `kind` is "incidence" [degrees], "density" [px/mm²] or "gradient", perhaps "and error".
     """
 
     width_px: int
@@ -79,7 +84,7 @@ def limit_rows(found: Sequence[tuple[dict[str, Any], Outcome]]) -> list[LimitRow
             continue
         made = sum(one["limits"]["reconstructed"] for one in results)
         seen = sum(one["summary"]["seen_area_mm2"] for one in results)
-        for kind, values in (("incidence", INCIDENCES_DEG), ("density", DENSITIES)):
+        for kind, values in (("incidence", INCIDENCES_DEG), ("density", DENSITIES), ("gradient", GRADIENTS)):
             for ending in ("", " and error"):
                 met, both = (
                     np.sum([one["limits"][kind + ending][name] for one in results], axis=0) for name in ("met", "both")
@@ -104,7 +109,7 @@ def best_limit(rows: Sequence[LimitRow], kind: str, width: int) -> float:
 
 
 def limits_of(rows: Sequence[LimitRow], width: int) -> dict[str, dict[str, float | None]]:
-    """What each of `PREDICTIONS` asks for, as inputs of `simulated_tasks.predicted`."""
+    """What each of `EXACT` asks for, as inputs of `simulated_tasks.predicted`."""
     incidence, density = best_limit(rows, "incidence", width), best_limit(rows, "density", width)
     none: dict[str, float | None] = {"max_incidence_deg": None, "min_pixel_density": None, "max_error": None}
     return {
@@ -117,15 +122,18 @@ def limits_of(rows: Sequence[LimitRow], width: int) -> dict[str, dict[str, float
     }
 
 
-def simulated_row(about: dict[str, Any], outcome: Outcome, areas: Sequence[Outcome]) -> SimulatedRow:
-    """The row of a layout, with the areas in the order of `PREDICTIONS`."""
+def simulated_row(about: dict[str, Any], outcome: Outcome, areas: Sequence[Outcome], gradient: float) -> SimulatedRow:
+    """The row of a layout, with the areas in the order of `EXACT`, and those under the limit on the gradient."""
     failure = next((one.failure for one in (outcome, *areas) if one.failure), "")
     if outcome.result is None or any(one.result is None for one in areas):
         return SimulatedRow(**about, failure=failure)
     facts = outcome.result["summary"]
     measured, facing = facts["measured_areas_mm2"], facts["normal_std_facing_mm"]
     exactly = [one.result["area_mm2"] for one in areas if one.result is not None]
-    predicted = {f"{way.replace(' ', '_')}_mm2": area for way, area in zip(PREDICTIONS, exactly, strict=True)}
+    predicted = {f"{way.replace(' ', '_')}_mm2": area for way, area in zip(EXACT, exactly, strict=True)}
+    for kind in ("gradient", "gradient and error"):
+        sampled = outcome.result["limits"][kind]["met"][GRADIENTS.index(gradient)]
+        predicted[f"{kind.replace(' ', '_')}_mm2"] = sampled
     within = {f"within_{one.replace('.', '')}_mm2": area for one, area in measured.items()}
     return SimulatedRow(
         **about, **predicted, **within, angles_deg=tuple(facts["ring_angles_deg"]), seen_mm2=facts["seen_area_mm2"],

@@ -11,7 +11,7 @@ from PIL import Image
 
 import exact
 from experiments.cli.commands import simulate as command
-from experiments.simulate import photographs
+from experiments.simulate import drawings, photographs
 
 # Small enough for seconds, large enough for matches.
 SMALL = ("--pixels", "240x160", "--rays", "4")
@@ -49,6 +49,13 @@ def made(desk):
     return desk / "sim", json.loads((desk / "sim" / "simulation.json").read_text(encoding="utf-8"))
 
 
+@pytest.fixture
+def undrawn(monkeypatch):
+    """No pictures, which take longer than all the rest."""
+    for name in ("write_prediction", "write_errors", "write_depths"):
+        monkeypatch.setattr(drawings, name, lambda *_: None)
+
+
 def test_what_it_leaves_is_whole_and_agrees(made):
     folder, figures = made
     layout, even = figures["layouts"]
@@ -67,6 +74,9 @@ def test_what_it_leaves_is_whole_and_agrees(made):
             near = np.array([float(row["within_0.3_mm"]) for row in chosen])
             assert areas.sum() == pytest.approx(one["seen_area_mm2"], rel=1e-9), by
             assert (near * areas).sum() / areas.sum() == pytest.approx(one["measured_shares_of_seen"]["0.3"]), by
+        # What two cameras see of which no pair is named, has no gradient.
+        paired = sum(float(row["area_mm2"]) for row in of if row["by"] == "disparity gradient")
+        assert (paired < 0.9 * one["seen_area_mm2"]) if one is layout else (paired > 0.99 * one["seen_area_mm2"])
         assert one["predicted_area_mm2"] == pytest.approx(one["seen_area_mm2"], rel=0.02)
         # A plate that faces the cameras comes out, its steep sides hardly.
         assert one["measured_areas_mm2"]["0.5"] > 0.8 * 36 * 24 * 0.9
@@ -100,7 +110,7 @@ def test_cameras_beside_the_images_are_theirs(made):
     assert not outer.any() or bright[outer].max() == 0
 
 
-def test_stopped_and_started_again_it_renders_no_image_twice(made, desk, tmp_path, camring, monkeypatch):
+def test_stopped_and_started_again_it_renders_no_image_twice(made, desk, tmp_path, camring, monkeypatch, undrawn):
     folder, figures = made
     rendered = []
     render = photographs.Photographer._take
@@ -127,7 +137,7 @@ def test_stopped_and_started_again_it_renders_no_image_twice(made, desk, tmp_pat
     assert camring(*request, "--force", "--seed", "1", "--no-equidistant")[0] == 0 and len(rendered) == 10
 
 
-def test_colours_of_its_own(desk, tmp_path, camring):
+def test_colours_of_its_own(desk, tmp_path, camring, undrawn):
     request = ("simulate", desk / "coloured.ply", "--cameras", "2", "--texture", "own", *SMALL)
     status, printed, said = camring(*request, "--out", tmp_path / "sim", "--json")
     assert status == 0, said
@@ -138,7 +148,7 @@ def test_colours_of_its_own(desk, tmp_path, camring):
     assert np.corrcoef(lit[:, 0], lit[:, 2])[0, 1] < 0.5  # unlike the reds of tissue
 
 
-def test_quick_images_have_the_shape_of_the_field_of_view(desk, tmp_path, camring, monkeypatch):
+def test_quick_images_have_the_shape_of_the_field_of_view(desk, tmp_path, camring, monkeypatch, undrawn):
     monkeypatch.setattr(command, "QUICK", 120)
     request = ("simulate", desk / "step.stl", "--cameras", "2", "--fov", "30x30", "--quick", "--rays", "1")
     status, printed, _ = camring(*request, "--out", tmp_path / "sim")
@@ -176,7 +186,7 @@ def test_without_the_extra_it_says_what_to_install(desk, tmp_path, camring, monk
     assert 'needs mitsuba, which is not installed; pip install "camring[simulate]"' in " ".join(said.split())
 
 
-def test_lamps_stand_beside_the_cameras_unless_there_are_others(desk, tmp_path, camring):
+def test_lamps_stand_beside_the_cameras_unless_there_are_others(desk, tmp_path, camring, undrawn):
     """With one lamp far to the side, the far flank of the step is dark, and does not count."""
     request = ("simulate", desk / "step.stl", "--layout", desk / "layout.json", *SMALL, "--no-equidistant", "--json")
     status, printed, _ = camring(*request, "--light", "200,0,100", "--out", tmp_path / "side")

@@ -93,6 +93,24 @@ def test_samples_know_incidence_and_density(flat):
     assert samples.second_density == pytest.approx(second)
 
 
+def test_disparity_gradient_is_by_how_much_disparities_differ(flat):
+    """Of neighbouring points, by the projections of two cameras, over their mean distance in the images."""
+    _, normal, cameras, samples = flat
+    one, two = cameras[0], cameras[2]
+    # Near the middle of the images, where the line of sight is across them.
+    chosen = np.flatnonzero(samples.seen[:, 0] & samples.seen[:, 2] & (np.linalg.norm(samples.points, axis=1) < 5))[:50]
+    points = samples.points[chosen]
+    steep = np.cross(np.cross((one.position + two.position) / 2 - points, normal), normal)
+    near = points + 1e-3 * steep / np.linalg.norm(steep, axis=1)[:, None]
+    # Turned about their optical axes so that the images of both are upright alike.
+    pair = Rectified.of(one, two, (380.0, 420.0))
+    shifts = [pair.at(camera.project(near) - 0.5, i) - pair.at(camera.project(points) - 0.5, i)
+              for i, camera in enumerate((one, two))]  # fmt: skip
+    gradient = np.linalg.norm(shifts[0] - shifts[1], axis=1) / np.linalg.norm((shifts[0] + shifts[1]) / 2, axis=1)
+    assert samples.gradient(cameras, ((0, 2),))[chosen] == pytest.approx(gradient, rel=0.03)
+    assert (samples.gradient(cameras, ((0, 2), (0, 1))) <= samples.gradient(cameras, ((0, 2),))).all()
+
+
 def test_points_off_the_surface_are_off_by_as_much(flat):
     scene, normal, _, samples = flat
     inner = samples.points[np.linalg.norm(samples.points - [3.0, 1.0, -4.0], axis=1) < 8]
