@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 # What libraries reserve before anything is computed [bytes], measured with room to spare.
 TO_SEARCH, TO_START = 2_500_000_000, 700_000_000
-SEARCHING = ("optimise", "count", "tradeoff", "ring", "design", "study", "bench")
+SEARCHING = ("optimise", "count", "tradeoff", "ring", "design", "simulate", "study", "bench")
 
 
 def too_low(arguments: Sequence[str]) -> str | None:

@@ -14,7 +14,10 @@ from experiments.request.declared_fields import Declared, declared
 from experiments.request.option_kinds import FILES, FLAG, NUMBER, POINTS, RANGE, WEIGHTS, WHOLE, WORD, Kind, of_type
 
 # Sections of a rig file, as they follow each other in it.
-SECTIONS = ("ring", "cameras", "optics", "demand", "limits", "constraints", "search", "mesh", "sites", "poses")
+SECTIONS = (
+    "ring", "cameras", "optics", "demand", "limits", "constraints", "search", "simulation", "mesh", "sites",
+    "poses",
+)  # fmt: skip
 # Where each class is declared: module and name.
 CLASSES = {
     "Ring": ("exact.ring", "Ring"),
@@ -23,16 +26,17 @@ CLASSES = {
     "Limits": ("exact.usable.limits", "Limits"),
     "Optics": ("exact.usable.optics", "Optics"),
     "Settings": ("placement.settings", "Settings"),
+    "Simulation": ("experiments.request.simulation", "Simulation"),
 }
 # The section of their fields.
 SECTION_OF = {
     "Ring": "ring", "Constraints": "constraints", "Demand": "demand", "Limits": "limits", "Optics": "optics",
-    "Settings": "search",
+    "Settings": "search", "Simulation": "simulation",
 }  # fmt: skip
 # What the fields of a class are that are classes themselves, by name.
 PARTS = {"Demand": {"limits": "Limits", "optics": "Optics"}}
 # Those whose fields may be options; the numbers of the search may be changed in a rig file alone.
-ON_THE_COMMAND_LINE = ("Ring", "Constraints", "Demand", "Limits", "Optics")
+ON_THE_COMMAND_LINE = ("Ring", "Constraints", "Demand", "Limits", "Optics", "Simulation")
 # Digits of a default that is an angle in degrees: they hide the rounding of its radians.
 DIGITS = 9
 
@@ -129,6 +133,7 @@ SAID_OTHERWISE: dict[str, dict[str, Any]] = {
     "resolution": {"option": "pixels"},
     "depth_axis": {"unless_given": "the axis of the ring"},
     "depth_of_field": {"kind": RANGE},
+    "grain": {"unless_given": "two pixels at the focus"},
     "focus_distance": {"unless_given": "that of the focus"},
     "zero_towards": {"unless_given": "+x, turned with the axis"},
     "roll": {
@@ -144,7 +149,10 @@ BESIDE_CLASSES = (
         "as roll says",
     ),
     Option("count", "cameras", WHOLE, 4, "Number of cameras.", option="cameras"),
-    Option("seed", "search", WHOLE, 0, "Seed of the search; the same seed gives the same layout."),
+    Option(
+        "seed", "search", WHOLE, 0,
+        "Seed of the search, and of simulated images; the same seed gives the same layout and the same images.",
+    ),
     Option(
         "give_up", "search", NUMBER, 0.005,
         "Coverage that may be given up for accuracy, as a fraction of the ring maximum: of layouts within so much of "

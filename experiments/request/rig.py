@@ -16,6 +16,7 @@ import placement
 from exact import demand
 from experiments.files.errors import InputError
 from experiments.request.options import PARTS, Option, fields_of, keys, sections
+from experiments.request.simulation import Simulation
 
 # What --place auto finds.
 PLACED = ("focus", "axis", "zero_towards")
@@ -49,6 +50,8 @@ class Rig:
     seed : int
     certify : bool
     settings : placement.Settings
+    simulation : Simulation
+        How images of a simulated reconstruction are made.
     give_up : float
         Fraction of the ring maximum that may be given up for accuracy.
     obstacle : tuple of str or None
@@ -86,6 +89,7 @@ class Rig:
     seed: int
     certify: bool
     settings: placement.Settings
+    simulation: Simulation
     give_up: float
     obstacle: tuple[str, ...] | None
     light: tuple[tuple[float, float, float], ...] | None
@@ -151,6 +155,7 @@ def rig(path: Path | None = None, **options: Any) -> Rig:
         demand=overridden(demand.Demand(), values),
         constraints=constraints,
         settings=placement.Settings(**fields_of("Settings", values)),
+        simulation=Simulation(**fields_of("Simulation", values)),
         **{
             name: values[name]
             for name, key in known.items()

@@ -27,6 +27,7 @@ COMMANDS = {
     "compare": "compare made/layout.json made/layout.json --mesh part.stl --out out --json",
     "report": "report made/layout.json --mesh part.stl --out out --json",
     "design": "design part.stl --cameras 2 --no-browser --fresh",
+    "simulate": "simulate part.stl --layout made/layout.json --pixels 90x60 --rays 1 --out out --json",
     "export": "export made/layout.json --format csv --json",
     "site": "site circ_flat --out site.stl --json",
     "rig init": "rig init new.toml --json",

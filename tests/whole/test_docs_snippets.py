@@ -23,8 +23,9 @@ PAGES = sorted(
 ELSEWHERE = {"docs/exports.md"}
 # Take minutes, or a cluster, or until somebody stops them: the parser is asked whether it knows them. Their parts are
 # tested elsewhere.
-SLOW = ("camring design", "camring bench", "camring paper", "camring study", "camring site --gallery",
-        "camring optimise circ_artery", "camring count circ_artery", "camring ring circ_artery")  # fmt: skip
+SLOW = ("camring design", "camring bench", "camring paper", "camring simulate", "camring study",
+        "camring site --gallery", "camring optimise circ_artery", "camring count circ_artery",
+        "camring ring circ_artery")  # fmt: skip
 
 
 def text(page: str) -> str:

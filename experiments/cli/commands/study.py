@@ -5,6 +5,7 @@ from dataclasses import asdict
 from pathlib import Path
 
 import meshes
+from experiments.cli.commands.simulate import refuse_without_extra
 from experiments.files.whole import output_folder
 from experiments.study.report import CAPTIONS, write_report
 from experiments.study.rows import EquidistantRow, LayoutRow, equidistant_rows, layout_row, read_rows, write_rows
@@ -19,11 +20,19 @@ LAYOUTS, EQUIDISTANT, TASKS, PAGE = "layouts.csv", "equidistant.csv", "tasks", "
 
 
 def run(
-    quick: bool, report_only: bool, detail: str, scheduler: str | None, out: Path, force: bool, as_json: bool
-) -> None:
+    quick: bool, report_only: bool, detail: str, scheduler: str | None, out: Path, force: bool, as_json: bool,
+    *, simulated: bool = False,
+) -> None:  # fmt: skip
     """Compute unless only the report is wanted, then report from what is on disk."""
-    asked = SweepRequest("camring study", quick, report_only, detail, scheduler, out, force, as_json)
-    sweep_command.run(asked, _compute, _report)
+    command = "camring study --simulated" if simulated else "camring study"
+    asked = SweepRequest(command, quick, report_only, detail, scheduler, out, force, as_json)
+    if simulated:
+        refuse_without_extra(command)
+        from experiments.cli.commands import study_simulated  # it brings the extra along
+
+        study_simulated.run(asked)
+    else:
+        sweep_command.run(asked, _compute, _report)
 
 
 def _compute(asked: SweepRequest) -> None:

@@ -10,6 +10,10 @@ import experiments.cli.options as opt
 
 def study(
     quick: Annotated[bool, typer.Option("--quick", help="two sites, 2 and 3 cameras: a first look")] = False,
+    simulated: Annotated[
+        bool,
+        typer.Option("--simulated", help="instead, what comes out of rendered images of layouts for four sites: hours"),
+    ] = False,
     report_only: opt.ReportOnly = False,
     detail: opt.Detail = None,
     scheduler: opt.Scheduler = None,
@@ -25,4 +29,6 @@ def study(
     """
     from experiments.cli.commands import study as command_study
 
-    command_study.run(quick, report_only, detail or "coarse", scheduler, out, force, json)
+    command_study.run(
+        quick, report_only, detail or "coarse", scheduler, out, force, json, simulated=simulated
+    )  # fmt: skip

@@ -18,7 +18,7 @@ from experiments.request import options as request_options
 HEAVY = {"numpy", "jax", "scipy", "shapely", "trimesh", "matplotlib", "plotly", "placement", "exact", "meshes"}
 # They take minutes to hours, or until they are stopped: what they do is tested elsewhere, and here they need only be
 # understood.
-SLOW = ("camring bench", "camring design", "camring paper", "camring study")
+SLOW = ("camring bench", "camring design", "camring paper", "camring simulate", "camring study")
 
 
 def commands(command=None, words=()):

@@ -38,7 +38,7 @@ for line in sys.stdin:
     sys.stdout.write("\\0")
 """
 # The subcommands that ask how many views count.
-TAKERS = {"optimise", "count", "tradeoff", "ring", "design", "evaluate", "compare"}
+TAKERS = {"optimise", "count", "tradeoff", "ring", "design", "evaluate", "compare", "simulate"}
 ANGLES = "20,60,200,240"  # neighbours are 10.3 mm apart, others more than 28 mm
 
 

@@ -1,0 +1,182 @@
+"""camring simulate: what comes out when the images of a layout's cameras are rendered, matched and triangulated."""
+
+from dataclasses import dataclass, replace
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+import exact
+from experiments.cli.results_folder import results_folder
+from experiments.files.errors import InputError
+from experiments.files.table import write_table
+from experiments.request import layout_file
+from experiments.request import rig as rig_file
+from experiments.request.request import Request, request
+from experiments.request.rig import overridden
+from experiments.terminal.console import note, print_json, table, terminal
+from experiments.terminal.progress import progress_tasks
+
+if TYPE_CHECKING:  # at run time they would bring the extra along
+    from experiments.simulate.simulation import Asked, Simulated
+
+# What the extra brings.
+NEEDED = {"mitsuba": "mitsuba", "cv2": "opencv-python-headless"}
+TABLE, PREDICTION, ERRORS, FIGURES = OUTPUTS = ("simulation.csv", "prediction.png", "errors.png", "simulation.json")
+DEPTHS, CLOUD = OF_A_LAYOUT = ("depths.png", "reconstruction.ply")
+# Pixels along the longer side of a quick image.
+QUICK = 900
+RING_OPTIONS = ("fov", "diameter", "working_distance", "focus", "axis", "zero_towards")
+
+
+@dataclass(frozen=True, eq=False)
+class _Cameras:
+    """The cameras that are asked for, what makes a point count, and which pairs are named."""
+
+    name: str
+    ring: exact.Ring
+    angles: np.ndarray
+    demand: exact.Demand
+    pairs: tuple[tuple[int, int], ...] | None
+
+
+def run(
+    mesh: str,
+    rig_path: Path | None,
+    options: dict[str, Any],
+    *,
+    layout: Path | None,
+    depth: float | None,
+    detail: str | None,
+    quick: bool,
+    beside_equidistant: bool,
+    out: Path,
+    force: bool,
+    as_json: bool,
+) -> None:
+    """Simulate, print and write; `options` are those of the rig, by the names of their keys."""
+    refuse_without_extra("camring simulate")
+    from experiments.simulate.simulation import Asked, prepare, simulate
+
+    cameras, asked = _asked(mesh, rig_path, options, layout, depth, detail, quick, force)
+    scene = asked.poses[0].scene
+    if asked.rig.simulation.texture == "own":
+        from experiments.simulate.own_colours import own_colours
+
+        colours = own_colours(mesh, asked.subjects[0].mesh, len(scene.everything.faces))
+    else:
+        colours = None
+    first = Asked(
+        cameras.name, scene, cameras.ring, cameras.angles, cameras.demand, asked.rig.simulation, colours, cameras.pairs,
+        asked.rig.seed,
+    )  # fmt: skip
+    wanted = _beside(first) if beside_equidistant else [first]
+    results_folder(out, OUTPUTS, asked.subjects[0], force)
+    for one in wanted:
+        prepare(one, out / one.name)
+    steps = {name: cost for one in wanted for name, cost in one.steps().items()}
+    done = [name for one in wanted for name in one.done(out / one.name)]
+    found = []
+    with progress_tasks("simulating", steps, done) as progress:
+        for one in wanted:
+            found.append(simulate(one, out / one.name, progress))
+    _tell(out, asked.name, found, as_json)
+
+
+def refuse_without_extra(command: str) -> None:
+    """Refuse a command where what renders and matches images is not installed.
+
+    Raises
+    ------
+    InputError
+    """
+    missing = [name for module, name in NEEDED.items() if find_spec(module) is None]
+    if missing:
+        raise InputError(
+            f"{command} needs {', '.join(missing)}, which {'is' if len(missing) == 1 else 'are'} not installed; "
+            'pip install "camring[simulate]"'
+        )
+
+
+def _asked(
+    mesh: str,
+    rig_path: Path | None,
+    options: dict[str, Any],
+    layout: Path | None,
+    depth: float | None,
+    detail: str | None,
+    quick: bool,
+    force: bool,
+) -> tuple[_Cameras, Request]:
+    from experiments.simulate.simulation import named_pairs
+
+    if (layout is not None) == (options["count"] is not None or rig_path is not None):
+        raise InputError(
+            "give the cameras in exactly one way: --layout FILE, --cameras N, or --rig FILE with their number"
+        )
+    if layout is not None and any(options[name] is not None for name in RING_OPTIONS):
+        raise InputError(
+            "a layout brings its own ring; leave --fov, --diameter, --working-distance, --focus, --axis and "
+            "--zero-towards out; --place auto moves it over the mesh"
+        )
+    if quick and options["resolution"] is not None:
+        raise InputError(f"--quick makes images of {QUICK} pixels, and --pixels says how many; leave one of them out")
+    rig = replace(rig_file.rig(rig_path, **options), jitter=1, site_weights=None)
+    made = None if layout is None else layout_file.read(layout)
+    asked = request([mesh], depth, detail, rig, None if made is None else made.ring)
+    if made is None:
+        angles, demand = asked.ring.equidistant(asked.rig.n_cameras), asked.demand
+        cameras = _Cameras("equidistant", asked.ring, angles, demand, None)
+    else:
+        made.refuse_other_mesh(asked.subjects[0].mesh, asked.name, force)
+        demand = overridden(made.moved_to(asked.ring), options)
+        every = asked.rig.simulation.matched == "all"
+        pairs = None if every else named_pairs(made.content, len(made.angles))
+        cameras = _Cameras("layout", asked.ring, made.angles, demand, pairs)
+    if quick:
+        cameras = replace(cameras, demand=_smaller(cameras.demand, cameras.ring))
+    return cameras, asked
+
+
+def _smaller(demand: exact.Demand, ring: exact.Ring) -> exact.Demand:
+    """The same with quick images, in the shape of the field of view."""
+    longer = min(QUICK, max(demand.optics.resolution))
+    width, height = (max(1, round(longer * side / max(ring.fov))) for side in ring.fov)
+    return replace(demand, optics=replace(demand.optics, resolution=(width, height)))
+
+
+def _beside(first: "Asked") -> "list[Asked]":
+    """The layout and the equidistant cameras to compare it with, unless it is that."""
+    from experiments.simulate.simulation import equidistant
+
+    other = equidistant(first)
+    same = len(first.angles) == len(other.angles) and np.allclose(np.sort(first.angles), np.sort(other.angles))
+    return [first] if same else [first, other]
+
+
+def _tell(out: Path, name: str, found: "list[Simulated]", as_json: bool) -> None:
+    """Write and print what came out."""
+    from experiments.simulate import drawings, tables
+
+    for one in found:
+        drawings.write_depths(out / one.asked.name / DEPTHS, one)
+        drawings.write_cloud(out / one.asked.name / CLOUD, one)
+    write_table(out / TABLE, [row for one in found for row in tables.classes(one)])
+    drawings.write_prediction(out / PREDICTION, name, found)
+    drawings.write_errors(out / ERRORS, name, found)
+    content = {"mesh": name, "layouts": [tables.summary(one) for one in found]}
+    layout_file.write(out / FIGURES, content)
+    if as_json:
+        print_json(content)
+    else:
+        shown = table(*tables.HEADERS)
+        for row in tables.headline(found):
+            shown.add_row(*row)
+        console = terminal()
+        console.print(f"{name}: {found[0].asked.demand.optics.resolution[0]} x "
+                      f"{found[0].asked.demand.optics.resolution[1]} pixels, match noise "
+                      f"{found[0].asked.demand.optics.match_noise:g} px assumed")  # fmt: skip
+        console.print(shown)
+    folders = ", ".join(str(out / one.asked.name) for one in found)
+    note(f"wrote {', '.join(str(out / name) for name in OUTPUTS)}; images, depth maps and points in {folders}")

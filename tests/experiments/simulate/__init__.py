@@ -1,0 +1,1 @@
+"""The simulated reconstruction: images against projection, accuracy against prediction, and the command."""

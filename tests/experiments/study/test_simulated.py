@@ -1,0 +1,115 @@
+"""camring study --simulated: its tasks, what is made of its rows, and that the committed ones hold what is said."""
+
+import json
+
+import numpy as np
+import pytest
+
+from experiments.study.rows import read_rows, write_rows
+from experiments.study.simulated_layouts import KINDS, named
+from experiments.study.simulated_report import headline, main_width
+from experiments.study.simulated_rows import PREDICTIONS, LimitRow, SimulatedRow, best_limit, rank_correlation
+from experiments.study.simulated_tasks import DENSITIES, GRADIENTS, INCIDENCES_DEG, Plan, predicted, reconstructed
+from tests.support import ROOT
+
+RESULTS = ROOT / "experiments" / "results" / "simulate"
+SITE = named(("circ_artery", 50), "coarse")
+
+
+@pytest.fixture(scope="module")
+def two_cameras():
+    """What is found of two opposite cameras, in small images."""
+    return reconstructed(SITE, "coarse", [90.0, 270.0], 180, seed=1)
+
+
+@pytest.mark.parametrize(
+    ("kind", "number", "limits"),
+    [
+        ("incidence", INCIDENCES_DEG.index(80.0), {"max_incidence_deg": 80.0}),
+        ("density", 20, {"min_pixel_density": DENSITIES[20]}),
+        ("incidence and error", INCIDENCES_DEG.index(89.0), {"max_incidence_deg": 89.0, "max_error": 0.15}),
+    ],
+)
+def test_sampled_areas_under_limits_are_the_exact_ones(two_cameras, kind, number, limits):
+    none = {"max_incidence_deg": None, "min_pixel_density": None, "max_error": None}
+    exactly = predicted(SITE, "coarse", [90.0, 270.0], 180, **(none | limits))["area_mm2"]
+    assert two_cameras["limits"][kind]["met"][number] == pytest.approx(exactly, rel=0.02)
+
+
+def test_limits_say_more_the_less_they_ask_for(two_cameras):
+    limits = two_cameras["limits"]
+    for kind, sign in (("incidence", 1), ("density", -1), ("gradient", 1)):
+        met, both = (np.array(limits[kind][name]) for name in ("met", "both"))
+        assert (sign * np.diff(met) >= 0).all() and (both <= met + 1e-9).all() and met.max() > met.min()
+        assert both.max() <= limits["reconstructed"] + 1e-9
+    # All that two cameras see they see as a pair: the gradient leaves out what it is too great for.
+    assert limits["gradient"]["met"][-1] == pytest.approx(limits["incidence"]["met"][-1], rel=0.01)
+
+
+def made_up():
+    rows, limits = [], []
+    for width in (360, 720):
+        for n in (2, 4, 6):
+            for number, kind in enumerate(KINDS):
+                area = 1000.0 * n + 10 * number
+                rows.append(
+                    SimulatedRow(
+                        "circ_flat",
+                        50,
+                        n,
+                        kind,
+                        width,
+                        (0.0, 90.0),
+                        *[area] * 8,
+                        area,
+                        *[area / 2] * 4,
+                        0.1,
+                        0.05,
+                        0.04,
+                    )
+                )
+        limits += [LimitRow(width, kind, limit, 100.0 * limit, min(100.0 * limit, 200.0), 200.0, 1000.0)
+                   for kind in ("incidence", "density", "gradient") for limit in (1.0, 2.0, 3.0)]  # fmt: skip
+    failed = SimulatedRow("circ_flat", 50, 8, "proposed", 720, failure="MemoryError: no, really")
+    return [*rows, rows[-1], failed], limits
+
+
+def test_page_and_figure_are_made_from_what_is_on_disk(tmp_path, camring):
+    rows, limits = made_up()
+    write_rows(tmp_path / "layouts.csv", SimulatedRow, rows)
+    write_rows(tmp_path / "limits.csv", LimitRow, limits)
+    assert read_rows(tmp_path / "layouts.csv", SimulatedRow) == rows
+    (tmp_path / "record.json").write_text(json.dumps({"tasks": [{"name": "one"}]}), encoding="utf-8")
+    status, printed, _ = camring("study", "--simulated", "--report-only", "--out", tmp_path)
+    assert status == 0
+    assert "1.25 to 1.25 times the predicted one" in printed and "least" in printed
+    assert "at most 2 of disparity gradient: wrong for 0.0 % of what is seen" in printed
+    text = (tmp_path / "simulated.md").read_text(encoding="utf-8")
+    assert "MemoryError: no, really" in text and text.count("| circ_flat, 50 mm |") == len(rows)
+    assert (tmp_path / "simulated.png").stat().st_size > 10_000
+    assert main_width(rows) == 720
+
+
+def ranks(values):
+    """Ranks, ties sharing theirs, by counting."""
+    values = np.asarray(values)
+    return np.array([(values < one).sum() + ((values == one).sum() - 1) / 2 for one in values])
+
+
+def test_what_is_committed_holds_what_is_said():
+    rows, limits = read_rows(RESULTS / "layouts.csv", SimulatedRow), read_rows(RESULTS / "limits.csv", LimitRow)
+    record = json.loads((RESULTS / "record.json").read_text(encoding="utf-8"))
+    assert not any("failure" in task for task in record["tasks"]) and not any(row.failure for row in rows)
+    width = main_width(rows)
+    of = [row for row in rows if row.width_px == width]
+    assert len({row.site for row in of}) == 4 and len(of) >= 24 and width == Plan.of(False).width
+    for row in rows:
+        ratio = row.facing_measured_mm / row.facing_predicted_mm
+        assert 1 / 1.5 < ratio < 1.5, row
+    for way in PREDICTIONS:
+        one, two = ranks([row.predicted(way) for row in of]), ranks([row.within_03_mm2 for row in of])
+        assert rank_correlation(of, way) == pytest.approx(np.corrcoef(one, two)[0, 1], abs=1e-9)
+    gradient = best_limit(limits, "gradient", width)
+    assert gradient == record["settings"]["max_disparity_gradient"] and gradient in GRADIENTS
+    page = (RESULTS / "simulated.md").read_text(encoding="utf-8")
+    assert all(sentence in page for sentence in headline(rows, limits))
