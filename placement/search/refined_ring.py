@@ -207,7 +207,7 @@ class _Asked:
             options=options,
         )  # fmt: skip
         for _, x in sorted(self.tried, key=lambda one: -one[0])[:N_KEPT]:
-            nearer = self._as_accurate(x, bounds[1][0])
+            nearer = self._as_accurate(x, working_distance[0] / self.ring.working_distance)
             if nearer is not None:
                 self._value(nearer)
         ring, theta, rolls = self.at(self.best[1])
