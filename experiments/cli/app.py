@@ -31,13 +31,12 @@ from experiments.cli.usage import (
     evaluate,
     export,
     optimise,
-    paper,
+    published,
     report,
     rig,
     ring,
     simulate,
     site,
-    study,
     tradeoff,
 )
 
@@ -70,8 +69,8 @@ for declared in (
     site.site,
     check.check,
     bench.bench,
-    paper.paper,
-    study.study,
+    published.paper,
+    published.study,
 ):
     app.command()(declared)
 app.add_typer(rig.app, name="rig")

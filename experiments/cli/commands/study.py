@@ -28,7 +28,7 @@ def run(
     asked = SweepRequest(command, quick, report_only, detail, scheduler, out, force, as_json)
     if simulated:
         refuse_without_extra(command)
-        from experiments.cli.commands import study_simulated  # it brings the extra along
+        from experiments.study import simulated as study_simulated  # it brings the extra along
 
         study_simulated.run(asked)
     else:
