@@ -6,10 +6,16 @@ from typing import Annotated
 import typer
 
 import experiments.cli.options as opt
+from experiments.request.options import keys
 
 # Said here for several rings, or of no concern.
 OWN = ("fov", "diameter", "working_distance", "certify")
 LENGTHS = "lengths [mm]: first:last:step, as in 20:40:5, or separated by commas"
+
+
+def _default(name: str) -> str:
+    """What holds of a ring where nothing is said."""
+    return keys("Ring")[name].shown_default
 
 
 @opt.asking("count", *(name for name in opt.REQUEST if name not in OWN))
@@ -17,16 +23,19 @@ def ring(
     meshes: opt.Meshes,
     options: opt.Given,
     diameter: Annotated[
-        str | None, typer.Option(help=f"diameters of the ring; {LENGTHS}", show_default="the rig's")
+        str | None, typer.Option(help=f"diameters of the ring; {LENGTHS}", show_default=_default("diameter"))
     ] = None,
     working_distance: Annotated[
         str | None,
-        typer.Option(help=f"distances of the ring's plane from the focus; {LENGTHS}", show_default="the rig's"),
+        typer.Option(
+            help=f"distances of the ring's plane from the focus; {LENGTHS}", show_default=_default("working_distance")
+        ),
     ] = None,
     fov: Annotated[
         str | None,
         typer.Option(
-            help="fields of view at the focus [mm], separated by commas, as in 36x24,48x32", show_default="the rig's"
+            help="fields of view at the focus [mm], separated by commas, as in 36x24,48x32",
+            show_default=_default("fov"),
         ),
     ] = None,
     refine: Annotated[
