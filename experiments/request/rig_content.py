@@ -6,6 +6,7 @@ from typing import Any
 import exact
 import placement
 from experiments.request.rig import Rig
+from experiments.request.simulation import Simulation
 
 
 def rig_content(rig: Rig) -> dict[str, Any]:
@@ -32,6 +33,7 @@ def rig_of(content: dict[str, Any]) -> Rig:
         "demand": exact.Demand(**demand),
         "constraints": placement.Constraints(**values["constraints"]),
         "settings": placement.Settings(**values["settings"]),
+        "simulation": Simulation(**values["simulation"]),
     }
     return Rig(**values | parts)
 

@@ -1,6 +1,6 @@
 """What is proven on the surface itself, and its words."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ class SurfaceBound:
     small_fraction: float
     n_sets: int
     method: str
-    seconds: float
+    seconds: float = field(compare=False)
     ignores_error: bool
     layout_fraction: float | None = None
     gap: float | None = None

@@ -79,14 +79,14 @@ def test_the_fewest_cameras_that_reach_the_target(camring, bars, tmp_path):
 
 def test_what_is_known_stays_when_it_is_stopped(camring, bars, tmp_path, monkeypatch):
     module = sys.modules["placement.recommend"]
-    propose = module.propose
+    propose = module.propose_layout
 
     def stopped(problem, space, *more, **named):
         if space.n_cameras == 3:
             raise KeyboardInterrupt
         return propose(problem, space, *more, **named)
 
-    monkeypatch.setattr(module, "propose", stopped)
+    monkeypatch.setattr(module, "propose_layout", stopped)
     (tmp_path / "layout.json").write_text("of an earlier run", encoding="utf-8")
     status, out, err = camring(*count(bars, "--out", tmp_path, "--force"))
     assert (status, out) == (130, "")
