@@ -15,6 +15,7 @@ import exact
 from exact.demand import SAME_LENGTH
 from placement.layouts.arcs import TURN, LayoutSpace
 from placement.proof.certificate import (
+    PROOF_TOLERANCE,
     Certificate,
     arc_of,
     certify_samples,
@@ -30,8 +31,6 @@ from placement.proof.surface_bound import SurfaceBound
 if TYPE_CHECKING:
     from placement.problem import Problem
 
-# The grid program is solved to this relative gap: what "proven" means.
-PROOF_TOLERANCE = 0.002
 # Sets of cameras of so little area together, in parts of the ring maximum, count as covered by any layout.
 SMALL = 1e-4
 # Faces times grid cameras up to which it is done unless something else was asked for: some tens of seconds.
@@ -52,7 +51,9 @@ def certified(
     return replace(certificate, surface=certify_surface(problem, space, demand, layouts))
 
 
-def measured(problem: "Problem", certificate: Certificate, space: LayoutSpace, layout, demand: exact.Demand):
+def measured(
+    problem: "Problem", certificate: Certificate, space: LayoutSpace, layout, demand: exact.Demand
+) -> Certificate:
     """The certificate with the gaps of `layout`, (M,) ring angles [rad], to its bounds."""
     found = measure(certificate, problem.profiles, layout, demand, problem.ring)
     if found.surface is None:

@@ -161,11 +161,7 @@ class _Asked:
         self.rolls = None if rolls is None else np.array(rolls, dtype=np.float64)
         away = np.abs(np.sin((theta[:, None] - np.array(constraints.fixed)[None, :]) / 2))
         self.free = np.flatnonzero(~(away < 1e-9).any(axis=1))
-        worth = [
-            site.scene.worth(site.scene.of_mesh(site.scene.surface.areas * site.scene.counted))
-            for site in sites.members
-        ]
-        self.counted = np.array(worth, dtype=np.float64)
+        self.counted = np.array([counted_area(site.scene) for site in sites.members])
         self.start = np.concatenate([[1.0, 1.0], theta[self.free], [] if self.rolls is None else self.rolls])
         self.n_evaluations, self.best = 0, (-np.inf, self.start)
         # Better ones that are less accurate than the start, by rounding or more.
