@@ -10,6 +10,7 @@ import numpy as np
 from exact.cameras import Camera, finite_vector
 from exact.errors import ExactError
 from exact.predicted.bound import ErrorBound, Predictor
+from exact.usable.disparity import DisparityLimit
 from exact.usable.limits import Limits
 from exact.usable.optics import Optics
 from exact.visibility.surface import Surface
@@ -32,6 +33,10 @@ class Demand:
         Number of cameras that must see a point for it to count.
     min_baseline : float
         Least distance between some two of the cameras that see a point [mm].
+    max_disparity_gradient : float, optional
+        Greatest disparity gradient of some two of them, which are as far apart as that: by how many pixels a match
+        shifts from one pixel of an image to the next (`exact.usable.disparity`). What is steep takes cameras that are
+        close together.
     max_error : float, optional
         Greatest error with which a point may be reconstructed from all cameras that see it: one standard deviation
         [mm].
@@ -61,6 +66,7 @@ class Demand:
 
     threshold: int = 2
     min_baseline: float = 0.0
+    max_disparity_gradient: float | None = None
     max_error: float | None = None
     error: Literal["depth", "normal"] = "depth"
     depth_axis: tuple[float, float, float] | None = None
@@ -76,11 +82,13 @@ class Demand:
         if not (isinstance(baseline, int | float | np.number) and 0 <= baseline <= sys.float_info.max):
             raise ExactError(f"min_baseline is {baseline!r}; it must be a number, finite and at least 0 [mm]")
         object.__setattr__(self, "min_baseline", float(baseline))
-        if self.max_error is not None:
-            largest = self.max_error
+        for name, unit in (("max_error", " [mm]"), ("max_disparity_gradient", "")):
+            largest = getattr(self, name)
+            if largest is None:
+                continue
             if not (isinstance(largest, int | float | np.number) and 0 < largest <= sys.float_info.max):
-                raise ExactError(f"max_error is {largest!r}; it must be a number, positive and finite [mm]")
-            object.__setattr__(self, "max_error", float(largest))
+                raise ExactError(f"{name} is {largest!r}; it must be a number, positive and finite{unit}")
+            object.__setattr__(self, name, float(largest))
         if self.error not in ERRORS:
             raise ExactError(f'error is {self.error!r}; it must be "depth" or "normal"')
         if self.depth_axis is not None:
@@ -101,6 +109,16 @@ class Demand:
         return self.min_baseline
 
     @property
+    def is_count(self) -> bool:
+        """Whether it takes nothing but cameras enough, whichever they are."""
+        return self.baseline == 0 and self.has_derivative
+
+    @property
+    def has_derivative(self) -> bool:
+        """Whether the area that meets it has a derivative that is known: neither error nor disparity is bounded."""
+        return self.max_error is None and self.max_disparity_gradient is None
+
+    @property
     def words(self) -> str:
         """What it takes, as the end of "the area ..."."""
         return f"seen by at least {self.threshold} camera{'' if self.threshold == 1 else 's'}{self._more_words}"
@@ -119,6 +137,9 @@ class Demand:
     @property
     def _more_words(self) -> str:
         more = [] if self.baseline == 0 else [f"two of them at least {self.baseline:.4g} mm apart"]
+        if self.max_disparity_gradient is not None:
+            which = "two of them" if self.baseline == 0 else "these two"
+            more.append(f"{which} with a disparity gradient of at most {self.max_disparity_gradient:.4g}")
         more += self.limits.words
         if self.max_error is not None:
             more.append(f"to {self.error} errors of at most {self.max_error:.4g} mm")
@@ -137,10 +158,14 @@ class Demand:
 
     def of(self, cameras: Sequence[Camera], surface: Surface) -> "Criterion":
         """The same for these (M,) cameras on a surface: which sets of them meet it where."""
-        bound = None
+        bound = disparity = None
         if self.max_error is not None:
             bound = ErrorBound(self.predictor(cameras, surface), self.max_error, self.error)
-        return Criterion(self.threshold, self.far(cameras), limits=self.limits, optics=self.optics, bound=bound)
+        if self.max_disparity_gradient is not None:
+            disparity = DisparityLimit(surface, tuple(cameras), self.max_disparity_gradient)
+        return Criterion(
+            self.threshold, self.far(cameras), disparity, limits=self.limits, optics=self.optics, bound=bound
+        )
 
     def predictor(self, cameras: Sequence[Camera], surface: Surface) -> Predictor:
         """Errors that these cameras make on a surface."""
@@ -164,8 +189,9 @@ class Demand:
                 f"threshold is {self.threshold} with {n_cameras} cameras; it must be a whole number from 1 to the "
                 "number of cameras: add cameras or lower the threshold"
             )
-        if n_cameras == 1 and self.max_error is not None:
-            raise ExactError("one camera reconstructs no depth; with max_error at least 2 cameras are needed")
+        for name in ("max_error", "max_disparity_gradient"):
+            if n_cameras == 1 and getattr(self, name) is not None:
+                raise ExactError(f"one camera reconstructs no depth; with {name} at least 2 cameras are needed")
 
 
 @dataclass(frozen=True, eq=False)
@@ -178,6 +204,8 @@ class Criterion:
         How many of them must.
     far : (M, M) bool or None
         Pairs of which at least one must; None where any two will do.
+    disparity : DisparityLimit or None
+        What such a pair must be on the face; None where any will do.
     sets : bool
         Whether it matters which cameras see a part, so that only parts that the very same ones see may be merged.
     limits : Limits
@@ -190,6 +218,7 @@ class Criterion:
 
     threshold: int
     far: np.ndarray | None = None
+    disparity: DisparityLimit | None = None
     sets: bool = False
     limits: Limits = Limits()
     optics: Optics = Optics()
@@ -198,19 +227,31 @@ class Criterion:
     @property
     def by_set(self) -> bool:
         """Whether parts that different cameras see are always kept apart."""
-        return self.sets or self.bound is not None
+        return self.sets or self.by_face
 
-    def enough(self, seen: np.ndarray) -> np.ndarray:
-        """(N,) whether each row of `seen` (N, M) are cameras enough, and far enough apart, whatever the error."""
+    @property
+    def by_face(self) -> bool:
+        """Whether it also depends on where a part is."""
+        return self.bound is not None or self.disparity is not None
+
+    def enough(self, seen: np.ndarray, face: np.ndarray | None = None) -> np.ndarray:
+        """(N,) whether each row of `seen` (N, M) are cameras enough, and far enough apart, whatever the error.
+
+        On a part of the face (N,); without it, whether they are on some face.
+        """
         enough = np.asarray(seen.sum(axis=1) >= self.threshold)
-        return enough if self.far is None else enough & self._paired(seen)
+        if self.far is not None:
+            enough &= self._paired(seen)
+        if self.disparity is not None and face is not None and enough.any():
+            enough[enough] = self.disparity.matched(face[enough], seen[enough], self.far)
+        return enough
 
     def met(self, seen: np.ndarray, face: np.ndarray) -> np.ndarray:
         """(N,) whether each row of `seen` (N, M) meets it all over a part of the face (N,).
 
         With a bound on the error: whether it surely does. What is left undecided is cut by `predicted.contour`.
         """
-        enough = self.enough(seen)
+        enough = self.enough(seen, face)
         if self.bound is None or not enough.any():
             return enough
         enough[enough] = self.bound.holds_all_over(face[enough], seen[enough])
@@ -224,7 +265,7 @@ class Criterion:
         settled = self.met(seen, face)
         # With fewer cameras known than there will be, nothing is hopeless.
         if self.bound is not None and len(self.bound.predictor.cameras) == seen.shape[1]:
-            left = np.flatnonzero(self.enough(seen) & ~settled)
+            left = np.flatnonzero(self.enough(seen, face) & ~settled)
             settled[left] = self.bound.fails_all_over(face[left], possible[left])
         return settled
 

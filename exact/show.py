@@ -170,6 +170,8 @@ def _own_view(reconstruction: "Reconstruction") -> Camera:
 def too_near(demand: Demand) -> str:
     """What `TOO_NEAR` means, in words."""
     short = [] if demand.baseline == 0 else [f"no two {demand.baseline:g} mm apart"]
+    steepest = demand.max_disparity_gradient
+    short += [] if steepest is None else [f"no two with a disparity gradient of at most {steepest:g}"]
     short += [] if demand.max_error is None else [f"{demand.error} error above {demand.max_error:g} mm"]
     return f"enough cameras, {' or '.join(short)}"
 

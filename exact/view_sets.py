@@ -84,7 +84,7 @@ class ViewSets:
             If limits or optics are others.
         """
         criterion, chosen = self._asked(asked)
-        if criterion.bound is None:
+        if not criterion.by_face:
             return float(self.areas[self.met(**asked)].sum())
         met = self._reconstructed(criterion, chosen)
         return float(self._scene.worth(area_by_face(self._scene.surface, *met)))
@@ -93,7 +93,7 @@ class ViewSets:
     def met(self, **asked: Any) -> np.ndarray:
         """(S,) bool: the sets of cameras that reconstruct what they see, arguments as for `area`.
 
-        If an error is bounded, it says which of them may: how accurately depends on the place too.
+        If an error or a disparity gradient is bounded, it says which of them may: those depend on the place too.
         """
         criterion, chosen = self._asked(asked)
         return criterion.enough(self.seen & chosen)

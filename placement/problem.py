@@ -237,4 +237,5 @@ def _joined(parts, sites: Sites) -> RingProfiles:
         np.concatenate([np.full(len(profiles.weights), i * worst) for i, profiles in enumerate(scaled)]),
         np.concatenate([profiles.parts for profiles in scaled], axis=1),
         np.concatenate([profiles.noise for profiles in scaled]),
+        np.concatenate([profiles.heights for profiles in scaled], axis=1),
     )

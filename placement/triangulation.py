@@ -11,7 +11,7 @@ import exact
 from exact.requests import ASKED, checked, shows
 from placement.errors import refusing
 from placement.samples.profiles import Visibility
-from placement.samples.sampled_site import faces_towards, in_view, noise_of
+from placement.samples.sampled_site import faces_towards, heights_of, in_view, noise_of
 from placement.samples.sampling import sample_surface
 from placement.samples.viewed_samples import samples_met
 
@@ -128,7 +128,8 @@ def triangulation(
     visibility = Visibility(scene.everything, demand)
     samples = samples.subset(visibility.lit(samples, scene.lights))
     seen = visibility.from_angles(samples, ring, theta, rolls)
-    reconstructed = samples_met(seen, theta, demand, ring, noise_of(samples, ring, demand))
+    heights = heights_of(samples, ring, demand)
+    reconstructed = samples_met(seen, theta, demand, ring, noise_of(samples, ring, demand), heights)
     if scene.weights is not None:
         samples = replace(samples, weights=samples.weights * scene.weights[samples.faces])
         reconstructed &= samples.weights > 0

@@ -111,8 +111,10 @@ def refuse_without_derivative(demand: Demand) -> None:
     ------
     ExactError
     """
-    if demand.max_error is not None:
+    if not demand.has_derivative:
+        bounds = {"max_error": (demand.max_error, " mm"), "max_disparity_gradient": (demand.max_disparity_gradient, "")}
+        name, value, unit = next((name, *bound) for name, bound in bounds.items() if bound[0] is not None)
         raise ExactError(
-            f"max_error is {demand.max_error:g} mm; the derivative of an area is known without a bound on the error "
-            "only: leave max_error out, and ask for a min_baseline instead"
+            f"{name} is {value:g}{unit}; the derivative of an area is known without such a bound only: leave {name} "
+            "out, and ask for a min_baseline instead"
         )

@@ -66,7 +66,8 @@ def gradient(mesh: "trimesh.Trimesh | Scene", cameras: Sequence[Camera], *, work
     mesh, cameras, workers
         As for `evaluate`.
     **asked
-        What counts, and on what, as for `evaluate`; without `max_error`.
+        What counts, and on what, as for `evaluate`; without `max_error` and
+        `max_disparity_gradient`.
 
     Returns
     -------

@@ -24,8 +24,8 @@ def reconstructed(
     if criterion.bound is None:
         return whole, sure
     doubtful = uncut[~met]
-    doubtful = doubtful[criterion.enough(seen.whole_seen[doubtful])]
-    in_part = pieces.take(~piece_met & criterion.enough(pieces.seen))
+    doubtful = doubtful[criterion.enough(seen.whole_seen[doubtful], doubtful)]
+    in_part = pieces.take(~piece_met & criterion.enough(pieces.seen, pieces.face))
     in_part = Pieces.joined([in_part, Pieces(doubtful, whole_faces(len(doubtful)), seen.whole_seen[doubtful])])
     in_part = in_part.take(~criterion.bound.fails_all_over(in_part.face, in_part.seen))
     area = float(surface.areas[whole].sum() + piece_areas(surface, sure).sum() + piece_areas(surface, in_part).sum())

@@ -6,7 +6,7 @@ import exact
 from experiments.design.design import Design
 from placement.errors import PlacementError
 from placement.samples.profiles import Visibility
-from placement.samples.sampled_site import faces_towards, in_view, noise_of
+from placement.samples.sampled_site import faces_towards, heights_of, in_view, noise_of
 from placement.samples.sampling import SurfaceSamples, sample_surface
 from placement.samples.viewed_samples import samples_met
 
@@ -53,7 +53,8 @@ class SampledAreas:
         views = np.stack([self._views[angle] for angle in design.angles])
         for angle in [angle for angle in self._views if angle not in design.angles][:-MOST_VIEWS]:
             del self._views[angle]
-        met = samples_met(views, theta, demand, design.ring, noise_of(self._samples, design.ring, demand))
+        noise, heights = (of(self._samples, design.ring, demand) for of in (noise_of, heights_of))
+        met = samples_met(views, theta, demand, design.ring, noise, heights)
         return float(self._samples.weights[met].sum())
 
     def _prepare(self, design: Design) -> None:

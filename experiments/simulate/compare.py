@@ -8,6 +8,8 @@ import trimesh
 from scipy.spatial import KDTree
 
 import exact
+from exact.usable.disparity import gradients
+from exact.visibility.surface import Surface
 from experiments.files.errors import InputError
 from experiments.simulate.truth import robust
 
@@ -67,7 +69,10 @@ class Samples:
         InputError
             If no camera sees anything that counts.
         """
-        free = replace(demand, limits=exact.Limits(), max_error=None, optics=replace(demand.optics, match_noise=1.0))
+        free = replace(
+            demand, limits=exact.Limits(), max_error=None, max_disparity_gradient=None,
+            optics=replace(demand.optics, match_noise=1.0),
+        )  # fmt: skip
         sets = exact.view_sets(scene, cameras, demand=free)
         cut = sets.to_mesh()
         number = np.asarray(cut.face_attributes["set"])
@@ -106,23 +111,18 @@ class Samples:
         """(N,) the second greatest density of pixels of the cameras that see it [px/mm²]; 0 of fewer."""
         return -_second(np.where(self.seen, -self.density, 0.0))
 
-    def gradient(self, cameras: Sequence[exact.Camera], pairs: Sequence[tuple[int, int]]) -> np.ndarray:
-        """(N,) disparity gradient: by how many pixels a match shifts from one pixel of an image to the next.
+    def gradient(
+        self, surface: Surface, cameras: Sequence[exact.Camera], pairs: Sequence[tuple[int, int]]
+    ) -> np.ndarray:
+        """(N,) disparity gradient of each sample of a surface: the least of the pairs that see it, of those matched.
 
-        Of the pairs of cameras whose images are matched, that counts for each sample with which it is least; infinite
-        where no pair sees it. On a plane with normal n, h below the cameras, a pair with baseline b has the gradient
-        b |n - (n·v) v| / h, where v is the line of sight: b tan β / z at incidence β and depth z. The greater it is,
-        the more the images of a window differ, by being squeezed or slanted.
+        Infinite where none does.
         """
         least = np.full(len(self.points), np.inf)
         for i, j in pairs:
             both = np.flatnonzero(self.seen[:, i] & self.seen[:, j])
-            one, two = cameras[i].position, cameras[j].position
-            away, normal = (one + two) / 2 - self.points[both], self.normals[both]
-            height = np.einsum("ni,ni->n", away, normal)
-            across = np.sqrt(np.maximum(1.0 - height**2 / np.einsum("ni,ni->n", away, away), 0.0))
-            gradient = np.linalg.norm(two - one) * across / height
-            least[both] = np.minimum(least[both], gradient)
+            of_pair = gradients(surface, [cameras[i]], cameras[j], self.faces[both])[:, 0]
+            least[both] = np.minimum(least[both], of_pair)
         return least
 
     def within(self, limits: exact.Limits, demand: exact.Demand, max_error: float | None, noise: float) -> np.ndarray:

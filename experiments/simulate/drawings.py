@@ -99,6 +99,8 @@ def write_errors(path: Path, name: str, found: Sequence[Simulated]) -> None:
         frame = _across(np.asarray(one.asked.ring.axis, dtype=np.float64), one.asked.ring.zero_towards)
         place = (samples.points - np.asarray(one.asked.ring.focus)) @ frame.T
         counted = samples.within(demand.limits, demand, demand.max_error, demand.optics.match_noise)
+        if demand.max_disparity_gradient is not None:
+            counted &= one.gradient <= demand.max_disparity_gradient
         _from_above(row[0], place, counted, cmap=ListedColormap([ORANGE, BLUE]), vmin=0, vmax=1)
         title = f"{one.asked.name}: predicted to count (blue), {one.predicted.area:.0f} mm², or not"
         row[0].set_title(figure_text(title))

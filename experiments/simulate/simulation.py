@@ -147,7 +147,7 @@ class Simulated:
     def gradient(self) -> np.ndarray:
         """(N,) disparity gradient at each sample, of the matched pair with which it is least."""
         cameras = [one.camera for one in self.asked.cameras]
-        return self.comparison.samples.gradient(cameras, self.asked.matched)
+        return self.comparison.samples.gradient(self.asked.scene.surface, cameras, self.asked.matched)
 
 
 def prepare(asked: Asked, folder: Path) -> None:

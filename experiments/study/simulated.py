@@ -9,7 +9,7 @@ from experiments.files.whole import output_folder
 from experiments.study.rows import read_rows, write_rows
 from experiments.study.simulated_layouts import named
 from experiments.study.simulated_report import FIGURE, PAGE, write_report
-from experiments.study.simulated_rows import LimitRow, SimulatedRow, best_limit, limit_rows, limits_of, simulated_row
+from experiments.study.simulated_rows import LimitRow, SimulatedRow, limit_rows, limits_of, simulated_row
 from experiments.study.simulated_tasks import Plan, area_tasks, layout_tasks, simulation_tasks
 from experiments.sweeps import command as sweep_command
 from experiments.sweeps.command import RECORD, SweepReport, SweepRequest
@@ -48,18 +48,17 @@ def _compute(asked: SweepRequest) -> None:
     simulated, _, n_more = shown_sweep("simulations", second, folder, asked.scheduler)
     limits = limit_rows([(about, one) for (about, _), one in zip(simulations, simulated, strict=True)])
     ways = limits_of(limits, plan.width)
-    gradient = best_limit(limits, "gradient", plan.width)
     asked_areas = area_tasks(simulations, list(ways.values()))
     third = [task for tasks in asked_areas for task in tasks]
     areas, _, n_most = shown_sweep("exact areas", third, folder, asked.scheduler)
     rows = []
     for number, ((about, _), one) in enumerate(zip(simulations, simulated, strict=True)):
-        rows.append(simulated_row(about, one, areas[number * len(ways) : (number + 1) * len(ways)], gradient))
+        rows.append(simulated_row(about, one, areas[number * len(ways) : (number + 1) * len(ways)]))
     write_rows(out / LAYOUTS, SimulatedRow, rows)
     write_rows(out / LIMITS, LimitRow, limits)
     settings = {
         "command": asked.command, "quick": asked.quick, "detail": asked.detail, "seed": SEED,
-        **asdict(plan), "limits": ways, "max_disparity_gradient": gradient,
+        **asdict(plan), "limits": ways,
     }  # fmt: skip
     hashes = {f"{site[0]} {site[1]} {asked.detail}": named(site, asked.detail)[2] for site in plan.sites}
     write_record(

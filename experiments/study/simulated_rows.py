@@ -11,18 +11,18 @@ from experiments.simulate.compare import TOLERANCE
 from experiments.study.simulated_tasks import DENSITIES, GRADIENTS, INCIDENCES_DEG, MAX_ERROR
 from experiments.sweeps.task import Outcome
 
-# Ways to predict what comes out that the exact evaluator has, in the order of the columns that hold their areas.
-EXACT = ("no limits", "error", "incidence", "density", "incidence and error", "density and error")
-# And those of which only samples tell.
-PREDICTIONS = (*EXACT, "gradient", "gradient and error")
+# Ways to predict what comes out, in the order of the columns that hold their areas.
+PREDICTIONS = (
+    "no limits", "error", "incidence", "density", "incidence and error", "density and error", "gradient",
+    "gradient and error",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
 class SimulatedRow:
     """One layout: areas predicted and measured [mm²], noise of matches [pixels], accuracy on facing surfaces [mm].
 
-    Predicted areas are exact, but for those with a limit on the disparity gradient, which are sampled to 0.3 %; None
-    where a task failed.
+    Predicted areas are exact; None where a task failed.
     """
 
     site: str
@@ -109,9 +109,11 @@ def best_limit(rows: Sequence[LimitRow], kind: str, width: int) -> float:
 
 
 def limits_of(rows: Sequence[LimitRow], width: int) -> dict[str, dict[str, float | None]]:
-    """What each of `EXACT` asks for, as inputs of `simulated_tasks.predicted`."""
-    incidence, density = best_limit(rows, "incidence", width), best_limit(rows, "density", width)
-    none: dict[str, float | None] = {"max_incidence_deg": None, "min_pixel_density": None, "max_error": None}
+    """What each of `PREDICTIONS` asks for, as inputs of `simulated_tasks.predicted`."""
+    incidence, density, gradient = (best_limit(rows, kind, width) for kind in ("incidence", "density", "gradient"))
+    none: dict[str, float | None] = {
+        "max_incidence_deg": None, "min_pixel_density": None, "max_disparity_gradient": None, "max_error": None
+    }  # fmt: skip
     return {
         "no limits": none,
         "error": none | {"max_error": MAX_ERROR},
@@ -119,21 +121,20 @@ def limits_of(rows: Sequence[LimitRow], width: int) -> dict[str, dict[str, float
         "density": none | {"min_pixel_density": density},
         "incidence and error": none | {"max_incidence_deg": incidence, "max_error": MAX_ERROR},
         "density and error": none | {"min_pixel_density": density, "max_error": MAX_ERROR},
+        "gradient": none | {"max_disparity_gradient": gradient},
+        "gradient and error": none | {"max_disparity_gradient": gradient, "max_error": MAX_ERROR},
     }
 
 
-def simulated_row(about: dict[str, Any], outcome: Outcome, areas: Sequence[Outcome], gradient: float) -> SimulatedRow:
-    """The row of a layout, with the areas in the order of `EXACT`, and those under the limit on the gradient."""
+def simulated_row(about: dict[str, Any], outcome: Outcome, areas: Sequence[Outcome]) -> SimulatedRow:
+    """The row of a layout, with the areas in the order of `PREDICTIONS`."""
     failure = next((one.failure for one in (outcome, *areas) if one.failure), "")
     if outcome.result is None or any(one.result is None for one in areas):
         return SimulatedRow(**about, failure=failure)
     facts = outcome.result["summary"]
     measured, facing = facts["measured_areas_mm2"], facts["normal_std_facing_mm"]
     exactly = [one.result["area_mm2"] for one in areas if one.result is not None]
-    predicted = {f"{way.replace(' ', '_')}_mm2": area for way, area in zip(EXACT, exactly, strict=True)}
-    for kind in ("gradient", "gradient and error"):
-        sampled = outcome.result["limits"][kind]["met"][GRADIENTS.index(gradient)]
-        predicted[f"{kind.replace(' ', '_')}_mm2"] = sampled
+    predicted = {f"{way.replace(' ', '_')}_mm2": area for way, area in zip(PREDICTIONS, exactly, strict=True)}
     within = {f"within_{one.replace('.', '')}_mm2": area for one, area in measured.items()}
     return SimulatedRow(
         **about, **predicted, **within, angles_deg=tuple(facts["ring_angles_deg"]), seen_mm2=facts["seen_area_mm2"],

@@ -98,7 +98,7 @@ def reconstructed(site: Sequence, detail: str, angles_deg: Sequence[float], widt
 
 def predicted(
     site: Sequence, detail: str, angles_deg: Sequence[float], width: int, max_incidence_deg: float | None,
-    min_pixel_density: float | None, max_error: float | None,
+    min_pixel_density: float | None, max_disparity_gradient: float | None, max_error: float | None,
 ) -> dict[str, Any]:  # fmt: skip
     """The exact area [mm²] that a layout reconstructs under limits, arguments as for `reconstructed`."""
     mesh = site_mesh(str(site[0]), int(site[1]), detail, str(site[2]))
@@ -110,6 +110,7 @@ def predicted(
         exclude=meshes.top_surface(mesh),
         limits=exact.Limits(min_pixel_density=min_pixel_density, max_incidence=incidence),
         optics=exact.Optics((width, round(width * ring.fov[1] / ring.fov[0])), MATCH_NOISE),
+        max_disparity_gradient=max_disparity_gradient,
         max_error=max_error,
         error="normal",
     )

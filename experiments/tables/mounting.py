@@ -33,7 +33,7 @@ class Mounting:
 def mounting(
     scenes: Sequence[exact.Scene], ring: exact.Ring, angles, demand: exact.Demand, rolls=None
 ) -> Mounting | None:
-    """Of the mean area over several scenes; None if the area has no derivative that is known (`max_error`).
+    """Of the mean area over several scenes; None if the area has no derivative that is known (`exact.Demand`).
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ def mounting(
     rolls : (M,) array_like, optional
         Of cameras that have rolls of their own [rad].
     """
-    if demand.max_error is not None:
+    if not demand.has_derivative:
         return None
     cameras = ring.cameras(angles, rolls)
     found = [exact.gradient(scene, cameras, demand=demand) for scene in scenes]

@@ -76,6 +76,8 @@ class Certificate:
     ignores_error : bool
         Whether a bound on the predicted error was asked for, of which the bounds know only the baseline that it
         implies: they hold, but may be loose.
+    ignores_disparity : bool
+        Whether a bound on the disparity gradient was asked for, which the bounds leave out: they hold, but are loose.
     of : str
         What the fractions are fractions of, in words.
     surface : SurfaceBound or None
@@ -98,6 +100,7 @@ class Certificate:
     n_profiles: int
     sampling_error: float
     ignores_error: bool
+    ignores_disparity: bool = False
     of: str = "the ring maximum"
     surface: SurfaceBound | None = None
 
@@ -140,6 +143,8 @@ class Certificate:
                 "Of the bound on the error these bounds know only the baseline that it implies; they hold but may be "
                 "loose."
             )
+        if self.ignores_disparity:
+            words.append("All bounds leave out the one on the disparity gradient; they hold but are loose.")
         return " ".join(words)
 
 
@@ -198,6 +203,7 @@ def certify_samples(
         n_profiles=len(program.merged().weights),
         sampling_error=_sampling_error(profiles, angles, demand, space.ring),
         ignores_error=demand.max_error is not None,
+        ignores_disparity=demand.max_disparity_gradient is not None,
         of=of,
     )
 

@@ -58,6 +58,9 @@ class RingProfiles:
     noise : (N,) ndarray
         Variance of each point's predicted error times the spread of the cameras that see it, the sum of their squared
         distances from their centre [mm⁴]; 0 where errors are of no concern.
+    heights : (3, N) ndarray
+        Height of a camera at ring angle θ over the plane of each point's face, over the sine of the angle between its
+        normal and the ring's axis, as the factors of 1, cos θ and sin θ [mm]; 0 where disparities are of no concern.
     """
 
     behind: Float[np.ndarray, "K N"]
@@ -66,6 +69,7 @@ class RingProfiles:
     site: Int[np.ndarray, " N"]
     parts: Float[np.ndarray, "P N"]
     noise: Float[np.ndarray, " N"]
+    heights: Float[np.ndarray, "3 N"]
 
     @staticmethod
     def of(signed_distance: Float[np.ndarray, "K N"], weights: Float[np.ndarray, " N"]) -> "RingProfiles":
@@ -114,6 +118,7 @@ class RingProfiles:
             np.zeros(len(weights), dtype=np.int64),
             np.where(number % N_PARTS == np.arange(N_PARTS)[:, None], weights, 0.0),
             np.zeros(len(weights)),
+            np.zeros((3, len(weights))),
         )
 
     @property
@@ -149,7 +154,7 @@ class RingProfiles:
         """Profiles of the points where the (N,) mask `keep` is true."""
         return RingProfiles(
             self.behind[:, keep], self.ahead[:, keep], self.weights[keep], self.site[keep], self.parts[:, keep],
-            self.noise[keep],
+            self.noise[keep], self.heights[:, keep],
         )  # fmt: skip
 
     def scaled(self, factor: float) -> "RingProfiles":

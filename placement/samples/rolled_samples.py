@@ -11,7 +11,7 @@ import exact
 from exact.ring import poses
 from placement.layouts.distinct import canonical
 from placement.samples.profiles import N_PARTS, RingProfiles, Visibility
-from placement.samples.sampled_site import SampledSite, noise_of
+from placement.samples.sampled_site import SampledSite, heights_of, noise_of
 from placement.samples.sampling import SurfaceSamples
 from placement.sites import Sites
 
@@ -43,7 +43,7 @@ class RolledSamples:
         Of all samples together, shares of the ring maximum.
     site : (N,) ndarray of int
         Sum to which each belongs; what a layout is worth is the least of its sums.
-    noise : (N,) ndarray
+    noise, heights : (N,) and (3, N) ndarray
         As of `RingProfiles`.
     """
 
@@ -52,6 +52,7 @@ class RolledSamples:
     weights: Float[np.ndarray, " N"]
     site: Int[np.ndarray, " N"]
     noise: Float[np.ndarray, " N"]
+    heights: Float[np.ndarray, "3 N"]
 
     @staticmethod
     def of(sampled: Sequence[SampledSite], sites: Sites, ring: exact.Ring, demand: exact.Demand) -> "RolledSamples":
@@ -66,6 +67,7 @@ class RolledSamples:
             ),
             np.concatenate([np.full(len(one.samples), i * worst) for i, one in enumerate(sampled)]),
             np.concatenate([noise_of(one.samples, ring, demand) for one in sampled]),
+            np.concatenate([heights_of(one.samples, ring, demand) for one in sampled], axis=1),
         )
 
     def thinned(self, step: int) -> "RolledSamples":
@@ -73,14 +75,17 @@ class RolledSamples:
         kept = [np.arange(len(samples)) % step == 0 for samples, _ in self.parts]
         parts = tuple((samples.subset(keep), view) for keep, (samples, view) in zip(kept, self.parts, strict=True))
         every = np.concatenate(kept)
-        return RolledSamples(parts, self.ring, step * self.weights[every], self.site[every], self.noise[every])
+        return RolledSamples(
+            parts, self.ring, step * self.weights[every], self.site[every], self.noise[every], self.heights[:, every]
+        )
 
     @property
     def profiles(self) -> RingProfiles:
-        """Weights and noises alone, as what judges layouts by given views takes them; its views are of no use."""
+        """Weights, noises and heights alone, as what judges layouts by given views takes; its views are of no use."""
         nowhere = np.zeros((1, len(self.weights)))
         part = np.arange(len(self.weights)) % N_PARTS == np.arange(N_PARTS)[:, None]
-        return RingProfiles(nowhere, nowhere, self.weights, self.site, np.where(part, self.weights, 0.0), self.noise)
+        parts = np.where(part, self.weights, 0.0)
+        return RingProfiles(nowhere, nowhere, self.weights, self.site, parts, self.noise, self.heights)
 
     def seen(self, angles, rolls) -> Bool[np.ndarray, "M N"]:
         """(M, N) bool: does the camera at each of the (M,) ring angles and rolls [rad] see each sample."""

@@ -114,9 +114,13 @@ class SampledCoverage:
     def worth_with_two_more(self, angles) -> Float[np.ndarray, "G G"]:
         """(G, G) `worth` of (M - 2,) ring angles [rad] and two more on `pair_grid`.
 
-        With a baseline only for a threshold of 2, and with no bound on the error.
+        With a baseline or a bound on disparity only for a threshold of 2, and with no bound on the error.
         """
         theta = np.asarray(angles, dtype=np.float64)
+        if self.demand.max_disparity_gradient is not None:
+            return self.viewed.worth_with_two_matched_more(
+                self.profiles.at(theta), theta, self._seen_pairs, self.pair_grid
+            )
         if self.demand.baseline > 0:
             return self._with_two_far_more(theta)
         return self.viewed.worth_with_two_more(self.profiles.at(theta), self._seen_pairs)
@@ -174,11 +178,11 @@ class SampledCoverage:
     def improve_pairs(self, space: LayoutSpace, angles, max_sweeps: int = 3) -> Float[np.ndarray, " M"]:
         """Move two free cameras at once, then each alone, until nothing is gained; leaves most local optima.
 
-        Parameters and result as for `improve`. With a bounded error, or a baseline and a threshold other than 2, only
-        single cameras are moved.
+        Parameters and result as for `improve`. With a bounded error, or a baseline or bounded disparity and a threshold
+        other than 2, only single cameras are moved.
         """
         theta = self.improve(space, angles)
-        if self.demand.max_error is not None or (self.demand.baseline > 0 and self.demand.threshold != 2):
+        if self.demand.max_error is not None or not (self.demand.is_count or self.demand.threshold == 2):
             return theta
         half_gap = np.sin(space.minimum_gap / 2)
         apart = np.abs(np.sin((self.pair_grid[:, None] - self.pair_grid[None, :]) / 2)) >= half_gap

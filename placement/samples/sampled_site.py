@@ -15,6 +15,8 @@ from placement.settings import Settings
 
 # Ring angles at which is asked where a camera may look; what lies between is covered by a margin.
 VIEW_ANGLES = 24
+# The sine of the angle between a face and the plane of the ring, where the face lies in it.
+LEAST_SLOPE = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,7 +102,7 @@ def sample_site(
     profiles = ring_profiles(visibility, samples, ring, settings.n_angles, settings.bisections)
     if not profiles.visible.any():
         raise PlacementError(_blind(_unseen(visibility, samples, ring, demand), ring, mesh))
-    profiles = replace(profiles, noise=noise_of(samples, ring, demand))
+    profiles = replace(profiles, noise=noise_of(samples, ring, demand), heights=heights_of(samples, ring, demand))
     everywhere = ring.equidistant(max(settings.ring_cameras, threshold))
     seen_from = profiles.at(everywhere).sum(axis=0)
     # Profiles miss arcs narrower than their step, which many cameras do not: there the points themselves are asked.
@@ -126,6 +128,24 @@ def noise_of(samples: SurfaceSamples, ring: exact.Ring, demand: exact.Demand) ->
     focal = float(np.sqrt(np.prod(demand.optics.focal(camera))))
     noise = (demand.optics.match_noise * depth**2 / focal) ** 2
     return noise if demand.error == "depth" else noise * (samples.normals @ axis) ** 2
+
+
+def heights_of(samples: SurfaceSamples, ring: exact.Ring, demand: exact.Demand) -> Float[np.ndarray, "3 N"]:
+    """Heights of the ring's cameras over the planes of the samples' faces, as `RingProfiles` has them.
+
+    A pair of cameras that are b apart has the disparity gradient b sin γ / h: h is the mean of their heights, and γ the
+    angle between the normal and their viewing direction, here the axis, from which that differs by a degree or two.
+    """
+    if demand.max_disparity_gradient is None:
+        return np.zeros((3, len(samples)))
+    east, north, west = ring.positions([0.0, np.pi / 2, np.pi])
+    centre = (east + west) / 2
+    height = np.stack([
+        np.einsum("ni,ni->n", centre - samples.points, samples.normals),
+        samples.normals @ (east - centre), samples.normals @ (north - centre),
+    ])  # fmt: skip
+    across = np.sqrt(np.maximum(1.0 - (samples.normals @ ring.frame[:, 2]) ** 2, LEAST_SLOPE**2))
+    return height / across
 
 
 def _unseen(visibility: Visibility, samples: SurfaceSamples, ring: exact.Ring, demand: exact.Demand) -> str:
@@ -186,10 +206,10 @@ def _blind(reason: str, ring: exact.Ring, mesh: trimesh.Trimesh) -> str:
 def _merged(profiles: RingProfiles, demand: exact.Demand) -> RingProfiles:
     """Drop points that no angle sees; merge those that every angle sees into one (the last).
 
-    Not if their errors are bounded, which are not alike. Else the mean error of all together stays the same.
+    Not if errors or disparities are bounded, which are not alike. Else the mean error of all together stays the same.
     """
     always = np.asarray(profiles.visible.all(axis=0))
-    if demand.max_error is not None:
+    if not demand.has_derivative:
         return profiles.subset(np.asarray(profiles.visible.any(axis=0)))
     decided = profiles.subset(np.asarray(profiles.visible.any(axis=0)) & ~always)
     if not always.any():
@@ -203,4 +223,5 @@ def _merged(profiles: RingProfiles, demand: exact.Demand) -> RingProfiles:
         np.append(decided.site, 0),
         np.concatenate([decided.parts, profiles.parts[:, always].sum(axis=1, keepdims=True)], axis=1),
         np.append(decided.noise, noise),
+        np.zeros((3, len(decided.weights) + 1)),
     )

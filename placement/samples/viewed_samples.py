@@ -43,7 +43,7 @@ class ViewedSamples:
 
     def met(self, seen: Bool[np.ndarray, "M N"], theta: Float[np.ndarray, " M"]) -> Bool[np.ndarray, " N"]:
         """(N,) bool: which samples cameras at these ring angles [rad] reconstruct that see them so."""
-        return samples_met(seen, theta, self.demand, self.ring, self.profiles.noise)
+        return samples_met(seen, theta, self.demand, self.ring, self.profiles.noise, self.profiles.heights)
 
     def fraction(self, seen: Bool[np.ndarray, "M N"], theta: Float[np.ndarray, " M"]) -> float:
         """Weight of what they reconstruct; the least of several sums."""
@@ -70,14 +70,16 @@ class ViewedSamples:
         """(G,) `worth` with one more camera at each of the angles of `grid` [rad], that sees 1 of `now_seen`."""
         count = seen.sum(axis=0)
         threshold = self.demand.threshold
-        if self.demand.baseline == 0 and self.demand.max_error is None:
+        if self.demand.is_count:
             already = self.profiles.sums(count >= threshold)
             return worth_of(self._sums(np.flatnonzero(count == threshold - 1), now_seen) + already[:, None])
-        # One camera more undoes nothing: it only adds baselines and lessens errors.
+        # One camera more undoes nothing: it only adds pairs and lessens errors.
         done = self.met(seen, theta)
         waiting = np.flatnonzero((count >= threshold - 1) & ~done)
         newly = now_seen[waiting] > 0
         won = self._covered_with_one_more(theta, seen[:, waiting], newly, grid)
+        if self.demand.max_disparity_gradient is not None:
+            won &= self._matched_with_one_more(theta, seen[:, waiting], newly, grid, self.profiles.heights[:, waiting])
         if self.demand.max_error is not None:
             noise = self.profiles.noise[waiting]
             won &= self._variances(theta, seen[:, waiting], newly, grid, noise) <= self.demand.max_error**2
@@ -88,7 +90,7 @@ class ViewedSamples:
     def worth_with_two_more(
         self, seen: Bool[np.ndarray, "M N"], now_seen: Float[np.ndarray, "N G"]
     ) -> Float[np.ndarray, "G G"]:
-        """(G, G) `worth` with two more cameras, without baseline and bound on the error."""
+        """(G, G) `worth` with two more cameras, where nothing but cameras enough are needed."""
         short = self.demand.threshold - seen.sum(axis=0)
         sums = []
         for site, already in enumerate(self.profiles.sums(short <= 0)):
@@ -101,6 +103,33 @@ class ViewedSamples:
             sums.append((gained + (both.T * self._weights[two]) @ both).astype(np.float64) + already)
         return worth_of(np.stack(sums))
 
+    def worth_with_two_matched_more(
+        self,
+        seen: Bool[np.ndarray, "M N"],
+        theta: Float[np.ndarray, " M"],
+        now_seen: Float[np.ndarray, "N G"],
+        grid: Float[np.ndarray, " G"],
+    ) -> Float[np.ndarray, "G G"]:
+        """(G, G) `worth` with two more cameras, where some two of them must match and that is all."""
+        done = self.met(seen, theta)
+        waiting = np.flatnonzero(~done & (now_seen > 0).any(axis=1))
+        newly, heights = now_seen[waiting] > 0, self.profiles.heights[:, waiting]
+        alone = self._matched_with_one_more(theta, seen[:, waiting], newly, grid, heights)
+        lost, left = (~alone).astype(np.float32), (newly & ~alone).astype(np.float32)
+        own = (np.asarray(self.demand.max_disparity_gradient) / 2 * (heights.T @ around(grid))).astype(np.float32)
+        chords = self.ring.diameter * np.abs(np.sin((grid[:, None] - grid[None, :]) / 2))
+        far, sums = self.demand.apart(chords), []
+        for site, already in enumerate(self.profiles.sums(done)):
+            of_site = np.flatnonzero(self.profiles.site[waiting] == site)
+            weights = self._weights[waiting][of_site]
+            gained = weights.sum() - (lost[of_site].T * weights) @ lost[of_site]
+            for place, chord in enumerate(chords.astype(np.float32)):
+                which = of_site[left[of_site, place] > 0]
+                matched = left[which] * (chord - own[which] <= own[which, place, None])
+                gained[place] += np.einsum("n,ng->g", self._weights[waiting][which], matched) * far[place]
+            sums.append(gained.astype(np.float64) + already)
+        return worth_of(np.stack(sums))
+
     def measured_with_one_more(
         self,
         seen: Bool[np.ndarray, "M N"],
@@ -110,7 +139,8 @@ class ViewedSamples:
     ) -> tuple[Float[np.ndarray, " G"], Float[np.ndarray, " G"]]:
         """`worth` and `error` with one more camera at each of the angles of `grid` [rad].
 
-        What makes points of one site differ that the same cameras see is their noise alone, by which variances grow.
+        What makes points of one site differ that the same cameras see is their noise alone, by which variances grow,
+        and their heights, if disparities are bounded.
         """
         which = np.flatnonzero(seen.sum(axis=0) >= self.demand.threshold - 1)
         key = np.concatenate([np.packbits(seen[:, which], axis=0), self.profiles.site[None, which]])
@@ -123,6 +153,10 @@ class ViewedSamples:
         weight, noise = self.profiles.weights[which], self.profiles.noise[which]
         now = seen_from[which].astype(np.float64)
         without = 1 - now
+        if self.demand.max_disparity_gradient is not None:
+            heights = self.profiles.heights[:, which]
+            without[~samples_matched(seen[:, which], theta, self.demand, self.ring, heights)] = 0.0
+            now[~self._matched_with_one_more(theta, seen[:, which], now > 0, grid, heights)] = 0.0
         if self.demand.max_error is not None:
             group, most = np.repeat(np.arange(len(begins)), np.diff(ends)), self.demand.max_error**2
             with np.errstate(invalid="ignore"):
@@ -164,6 +198,28 @@ class ViewedSamples:
             covered &= paired[:, None] | (partner & now_seen)
         return covered
 
+    def _matched_with_one_more(
+        self,
+        theta: Float[np.ndarray, " M"],
+        seen: Bool[np.ndarray, "M W"],
+        now_seen: Bool[np.ndarray, "W G"],
+        grid: Float[np.ndarray, " G"],
+        heights: Float[np.ndarray, "3 W"],
+    ) -> Bool[np.ndarray, "W G"]:
+        """Whether two cameras match W points that see them, with one more at each of `grid`."""
+        chords = self.ring.diameter * np.abs(np.sin((theta[:, None] - grid[None, :]) / 2))
+        far, most = self.demand.apart(chords), np.asarray(self.demand.max_disparity_gradient) / 2
+        before = samples_matched(seen, theta, self.demand, self.ring, heights)
+        # Single precision: what it decides, exact areas decide again.
+        won = np.repeat(before[:, None], len(grid), axis=1)
+        for camera, (chord, is_far) in enumerate(zip(chords, far, strict=True)):
+            which = np.flatnonzero(seen[camera] & ~before)
+            there = (most * (heights[:, which].T @ around(grid))).astype(np.float32)
+            own = (most * (around(theta[camera : camera + 1])[:, 0] @ heights[:, which])).astype(np.float32)
+            matched = chord.astype(np.float32) - there <= own[:, None]
+            won[which] |= matched & now_seen[which] & is_far
+        return won
+
     def _variances(
         self,
         theta: Float[np.ndarray, " M"],
@@ -192,13 +248,40 @@ def samples_met(
     demand: exact.Demand,
     ring: exact.Ring,
     noise: Float[np.ndarray, " N"],
+    heights: Float[np.ndarray, "3 N"],
 ) -> Bool[np.ndarray, " N"]:
-    """(N,) bool: which samples the cameras at these ring angles [rad] reconstruct; `noise` as of `RingProfiles`."""
+    """(N,) bool: which samples the cameras at these ring angles [rad] reconstruct.
+
+    `noise` and `heights` are as of `RingProfiles`.
+    """
     far = far_apart(angles, angles, demand, ring) if demand.baseline > 0 else None
     met = Criterion(demand.threshold, far).enough(seen.T)
+    if demand.max_disparity_gradient is not None:
+        met[met] = samples_matched(seen[:, met], angles, demand, ring, heights[:, met])
     if demand.max_error is not None:
         met[met] = variances_of(seen[:, met], angles, ring, noise[met]) <= demand.max_error**2
     return met
+
+
+def samples_matched(
+    seen: Bool[np.ndarray, "M N"],
+    angles: Float[np.ndarray, " M"],
+    demand: exact.Demand,
+    ring: exact.Ring,
+    heights: Float[np.ndarray, "3 N"],
+) -> Bool[np.ndarray, " N"]:
+    """(N,) bool: which samples two cameras see that match them: far enough apart, by a small enough gradient."""
+    own = np.asarray(demand.max_disparity_gradient) / 2 * (around(angles).T @ heights)
+    chords = ring.diameter * np.abs(np.sin((angles[:, None] - angles[None, :]) / 2))
+    matched = np.zeros(seen.shape[1], dtype=bool)
+    for one, other in zip(*np.nonzero(np.triu(demand.apart(chords), k=1)), strict=True):
+        matched |= seen[one] & seen[other] & (chords[one, other] <= own[one] + own[other])
+    return matched
+
+
+def around(angles: Float[np.ndarray, " M"]) -> Float[np.ndarray, "3 M"]:
+    """(3, M): 1, cosine and sine of ring angles [rad], for what is linear in a camera's position."""
+    return np.stack([np.ones(len(angles)), np.cos(angles), np.sin(angles)])
 
 
 def far_apart(

@@ -181,7 +181,7 @@ def _polished(
     leading = [np.array(layouts[i]) for i in distinct([np.array(one) for one in layouts], settings.distinct_tolerance)]
     leading = leading[: settings.polish_candidates]
     report("polishing", 0, 2)
-    if demand.max_error is not None:  # the area has no derivative that is known
+    if not demand.has_derivative:
         end, n_moves = polish_by_steps(scorer, space, leading[0], settings.polish_steps, settings.polish_sweeps)
         return [end], n_moves
     slopes = Slopes.of(problem.sites, problem.ring, demand, scorer.ring_areas)

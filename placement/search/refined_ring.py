@@ -185,7 +185,7 @@ class _Asked:
         bounds = [(least / start, most / start) for (least, most), start in lengths]
         bounds += [self._open_arc(angle) for angle in self.theta[self.free]]
         bounds += [(None, None)] * (len(self.start) - len(bounds))
-        has_derivative = self._demand.max_error is None
+        has_derivative = self._demand.has_derivative
         kept = [{"type": "ineq", "fun": self._separations}, {"type": "ineq", "fun": self._error_left}]
         scale = -1 / max(self._value(self.start), np.finfo(float).tiny)
 

@@ -126,10 +126,10 @@ class RolledCoverage:
     def improved_by_pairs(self, space: LayoutSpace, layout: RolledLayout, max_sweeps: int = 2) -> RolledLayout:
         """Move two free cameras at once, then each alone, until nothing is gained; leaves most local optima.
 
-        With a baseline or a bound on the error only single cameras are moved.
+        With a baseline or a bound on error or disparity only single cameras are moved.
         """
         layout = self.improved(space, layout)
-        if self.demand.max_error is not None or self.demand.baseline > 0:
+        if not self.demand.is_count:
             return layout
         half_gap = np.sin(space.minimum_gap / 2)
         angles = self._pair_grid.angles

@@ -21,10 +21,20 @@ def counted(rng, mesh):
 @few
 @given(mesh_names, seeds, thresholds, st.booleans())
 def test_one_more_camera(name, seed, threshold, with_baseline):
+    check_one_more(name, seed, threshold, with_baseline)
+
+
+@few
+@given(mesh_names, seeds, thresholds, st.booleans(), st.floats(1e-3, 1e3))
+def test_one_more_camera_with_similar_images(name, seed, threshold, with_baseline, steepest):
+    check_one_more(name, seed, max(threshold, 2), with_baseline, max_disparity_gradient=steepest)
+
+
+def check_one_more(name, seed, threshold, with_baseline, **more):
     rng, mesh, cameras = request(seed, name, 5)
     exclude, weights = counted(rng, mesh)
     apart = np.linalg.norm(cameras[0].position - cameras[1].position) if with_baseline else 0.0
-    asked = dict(threshold=threshold, exclude=exclude, min_baseline=apart, weights=weights)
+    asked = dict(threshold=threshold, exclude=exclude, min_baseline=apart, weights=weights, **more)
     others = exact.OneMore(mesh, cameras[:3], **asked)
     for camera in cameras[3:]:
         alone = exact.evaluate(mesh, [*cameras[:3], camera], **asked)

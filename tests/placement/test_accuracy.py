@@ -1,6 +1,7 @@
 """Layouts that give no accuracy away, and requests with limits, bounded errors, lights and obstacles."""
 
 import dataclasses
+import itertools
 
 import numpy as np
 import pytest
@@ -12,8 +13,9 @@ import placement
 from placement import Problem, Settings
 from placement.samples.profiles import Visibility
 from placement.samples.sampled_coverage import SampledCoverage
-from placement.samples.sampled_site import noise_of
+from placement.samples.sampled_site import heights_of, noise_of
 from placement.samples.sampling import sample_surface
+from placement.samples.viewed_samples import samples_met
 
 RING = exact.Ring()
 QUICK = dataclasses.replace(
@@ -82,6 +84,7 @@ REQUESTS = {
     "depth": {"limits": exact.Limits(depth_of_field=(380.0, 440.0))},
     "error": {"max_error": 0.09},
     "normal error": {"max_error": 0.05, "error": "normal"},
+    "disparity": {"max_disparity_gradient": 0.5},
     "coarse pixels": {"max_error": 0.2, "optics": exact.Optics(resolution=(1800, 1200))},
     "light": {"lights": ((10.0, 0.0, 300.0),)},
     "obstacle": {"obstacles": (BOX,)},
@@ -117,7 +120,13 @@ def test_errors_of_samples_are_those_of_the_evaluator(artery):
     np.testing.assert_allclose(closed, sigma(samples.points[counts], theta, seen[:, counts]), rtol=5e-3)
 
 
-@pytest.mark.parametrize("asked", [{}, {"max_error": 0.1}, {"min_baseline": 12.0}, {"max_error": 0.1, "threshold": 3}])
+@pytest.mark.parametrize(
+    "asked",
+    [
+        {}, {"max_error": 0.1}, {"min_baseline": 12.0}, {"max_error": 0.1, "threshold": 3},
+        {"max_disparity_gradient": 1.0}, {"max_disparity_gradient": 0.7, "min_baseline": 8.0, "max_error": 0.2},
+    ],
+)  # fmt: skip
 def test_one_more_camera_on_the_samples_as_one_by_one(artery, asked):
     problem = Problem(artery, RING, settings=QUICK, **asked)
     coverage, _ = problem.coverage(placement.Constraints())
@@ -132,8 +141,12 @@ def test_one_more_camera_on_the_samples_as_one_by_one(artery, asked):
         assert on_grid[k] == pytest.approx(coverage.worth(np.append(others, coverage.grid[k])), abs=1e-5)
 
 
-def test_two_more_cameras_under_a_baseline_as_one_by_one(artery):
-    problem = Problem(artery, RING, settings=QUICK, min_baseline=15.0)
+@pytest.mark.parametrize(
+    "asked",
+    [{"min_baseline": 15.0}, {"max_disparity_gradient": 0.6}, {"min_baseline": 8.0, "max_disparity_gradient": 1.5}],
+)
+def test_two_more_cameras_that_make_a_pair_as_one_by_one(artery, asked):
+    problem = Problem(artery, RING, settings=QUICK, **asked)
     coverage, _ = problem.coverage(placement.Constraints())
     others, rng = np.radians([20.0, 100.0]), np.random.default_rng(0)
     worth = coverage.worth_with_two_more(others)
@@ -156,6 +169,34 @@ def test_a_limit_that_no_view_meets_is_refused_by_name(artery):
         Problem(artery, RING, settings=QUICK, limits=exact.Limits(min_pixel_density=1e6))
     with pytest.raises(placement.PlacementError, match="nothing turned towards it is lit"):
         Problem(exact.Scene(artery.mesh, artery.exclude, lights=((0, 0, -500),)), RING, settings=QUICK)
+
+
+def test_samples_match_where_the_evaluator_does(artery):
+    theta = np.radians([20.0, 32.0, 190.0, 250.0])
+    samples = sample_surface(artery.mesh, 20_000, ~artery.counted, seed=1)
+    seen = Visibility(artery.mesh).from_angles(samples, RING, theta)
+    for steepest, baseline in ((0.3, 0.0), (1.0, 0.0), (1.0, 10.0)):
+        demand = exact.Demand(max_disparity_gradient=steepest, min_baseline=baseline)
+        heights = heights_of(samples, RING, demand)
+        met = samples_met(seen, theta, demand, RING, noise_of(samples, RING, demand), heights)
+        exactly = exact.evaluate(artery, RING.cameras(theta), demand=demand).area
+        assert samples.weights[met].sum() == pytest.approx(exactly, rel=0.01)
+
+
+@pytest.mark.parametrize("steepest", [0.4, 1.0])
+def test_no_layout_on_a_coarse_grid_matches_more(artery, steepest):
+    """Every layout of three cameras at multiples of 15°, by the exact areas of what they see."""
+    quick = dataclasses.replace(QUICK, polish_steps=(0.05, 0.01))
+    found = placement.optimise(
+        artery, RING, 3, settings=quick, constraints=placement.Constraints(3.9), certify=False, give_up=0.0,
+        max_disparity_gradient=steepest,
+    )  # fmt: skip
+    cameras = RING.cameras(RING.equidistant(24))
+    sets = exact.view_sets(artery, cameras, max_disparity_gradient=steepest)
+    layouts = np.zeros((24 * 23 * 22 // 6, 24), dtype=bool)
+    np.put_along_axis(layouts, np.array(list(itertools.combinations(range(24), 3))), True, axis=1)
+    best = max(sets.area(cameras=layout) for layout in layouts[:253])  # one of them at 15°
+    assert found.area >= 0.997 * best
 
 
 def test_an_error_that_no_layout_meets_is_refused_with_the_best_that_can_be_met(artery):

@@ -62,6 +62,36 @@ def deviations(samples, cameras, resolution, noise):
     return found
 
 
+def disparity_gradients(samples, one, other):
+    """(N,) by how much disparity changes across an image of the surface at each sample, of two cameras, indices.
+
+    In the image of a camera half way between the two that looks as both do, rectified: the disparity of a point is the
+    baseline over its depth, in units of the focal length.
+    """
+    (first, *_, look_of_first), (second, *_, look_of_second) = samples.cameras[one], samples.cameras[other]
+    baseline = np.linalg.norm(second - first)
+    x = (second - first) / baseline
+    y = np.cross(look_of_first + look_of_second, x)
+    y /= np.linalg.norm(y)
+    frame = np.stack([x, y, np.cross(x, y)])
+
+    def image(points):
+        across, upright, depth = frame @ (points - (first + second) / 2).T
+        return np.stack([across / depth, upright / depth, baseline / depth])
+
+    found = np.empty(len(samples.points))
+    for some in blocks(len(found)):
+        points, normals = samples.points[some], samples.normals[some]
+        along = np.cross(normals, [0.36, 0.48, 0.8])
+        along /= np.linalg.norm(along, axis=1, keepdims=True)
+        ways = [STEP * direction for direction in (along, np.cross(normals, along))]
+        (a, b, one_way), (c, d, other_way) = [image(points + way) - image(points - way) for way in ways]
+        # The two changes of the disparity from those of the image: solved for its gradient, by Cramer's rule.
+        across, upright = d * one_way - b * other_way, a * other_way - c * one_way
+        found[some] = np.hypot(across, upright) / np.abs(a * d - b * c)
+    return found
+
+
 def _slopes(points, samples, camera, resolution):
     """(N, 2, 3) change of the pixel with the point [px/mm], by central differences."""
     shift = STEP * np.eye(3)

@@ -222,7 +222,7 @@ def test_faces_in_whose_plane_a_camera_is_are_counted():
 
 def test_what_has_no_derivative_is_refused():
     cameras = RING.cameras([0.0, 2.0])
-    with pytest.raises(exact.ExactError, match="without a bound on the error only: leave max_error out"):
+    with pytest.raises(exact.ExactError, match="without such a bound only: leave max_error out"):
         exact.gradient(BLOCK, cameras, max_error=0.1)
     found = exact.gradient(BLOCK, cameras)
     with pytest.raises(exact.ExactError, match="camera . of 2 is none of this ring; give the ring whose"):

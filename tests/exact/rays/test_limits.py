@@ -1,5 +1,7 @@
 """Exact areas with view limits, light, obstacles and bounds on the error, against ray sampling."""
 
+import itertools
+
 import numpy as np
 import pytest
 import trimesh
@@ -8,7 +10,7 @@ import exact
 import meshes
 from exact import Demand, Limits, Optics
 from tests.support.ray_oracle import Samples
-from tests.support.usable_oracle import deviations, usable
+from tests.support.usable_oracle import deviations, disparity_gradients, usable
 
 N_POINTS = 1_000_000
 STANDARD_ERRORS = 4.0
@@ -56,6 +58,7 @@ def test_sites_with_an_instrument_in_the_way(name, depth):
         name: np.array([usable(samples, camera, RESOLUTION, **same) for camera in range(len(ANGLES))])
         for name, (_, same) in LIMITED.items()
     }
+    slopes = {pair: disparity_gradients(samples, *pair) for pair in itertools.combinations(range(len(ANGLES)), 2)}
     for layout in LAYOUTS.values():
         seen = samples.seen[layout]
         plain = agrees(scene, samples, layout, Demand(optics=OPTICS), seen.sum(axis=0) >= 2)
@@ -65,6 +68,13 @@ def test_sites_with_an_instrument_in_the_way(name, depth):
             demand = Demand(limits=Limits(**asked), optics=OPTICS)
             counts = (seen & good[limit][layout]).sum(axis=0) >= 2
             assert 0 < agrees(scene, samples, layout, demand, counts) < 0.999 * plain
+        for steepest, baseline in ((2.0, 0.0), (0.5, 12.0)):
+            demand = Demand(max_disparity_gradient=steepest, min_baseline=baseline, optics=OPTICS)
+            pairs = [
+                (i, j) for i, j in itertools.combinations(layout, 2) if 30 * np.sin(np.pi / 8 * (j - i)) >= baseline
+            ]
+            matched = np.any([samples.seen[i] & samples.seen[j] & (slopes[i, j] <= steepest) for i, j in pairs], axis=0)
+            assert 0 < agrees(scene, samples, layout, demand, matched) < 0.999 * plain
         both = deviations(samples, layout, RESOLUTION, NOISE)
         for kind, found, share in (("depth", both[0], 0.7), ("normal", both[1], 0.5)):
             bound = float(np.quantile(found[np.isfinite(found)], share))

@@ -27,11 +27,12 @@ def two_cameras():
     [
         ("incidence", INCIDENCES_DEG.index(80.0), {"max_incidence_deg": 80.0}),
         ("density", 20, {"min_pixel_density": DENSITIES[20]}),
+        ("gradient", 30, {"max_disparity_gradient": GRADIENTS[30]}),
         ("incidence and error", INCIDENCES_DEG.index(89.0), {"max_incidence_deg": 89.0, "max_error": 0.15}),
     ],
 )
 def test_sampled_areas_under_limits_are_the_exact_ones(two_cameras, kind, number, limits):
-    none = {"max_incidence_deg": None, "min_pixel_density": None, "max_error": None}
+    none = dict.fromkeys(("max_incidence_deg", "min_pixel_density", "max_disparity_gradient", "max_error"))
     exactly = predicted(SITE, "coarse", [90.0, 270.0], 180, **(none | limits))["area_mm2"]
     assert two_cameras["limits"][kind]["met"][number] == pytest.approx(exactly, rel=0.02)
 
@@ -110,6 +111,6 @@ def test_what_is_committed_holds_what_is_said():
         one, two = ranks([row.predicted(way) for row in of]), ranks([row.within_03_mm2 for row in of])
         assert rank_correlation(of, way) == pytest.approx(np.corrcoef(one, two)[0, 1], abs=1e-9)
     gradient = best_limit(limits, "gradient", width)
-    assert gradient == record["settings"]["max_disparity_gradient"] and gradient in GRADIENTS
+    assert gradient == record["settings"]["limits"]["gradient"]["max_disparity_gradient"] and gradient in GRADIENTS
     page = (RESULTS / "simulated.md").read_text(encoding="utf-8")
     assert all(sentence in page for sentence in headline(rows, limits))
