@@ -98,6 +98,33 @@ class ViewSets:
         criterion, chosen = self._asked(asked)
         return criterion.enough(self.seen & chosen)
 
+    @shows({"cameras": None, "far": None, **demand_keywords(), "demand": None})
+    def paired(self, pairs: Sequence[tuple[int, int]], **asked: Any) -> tuple[np.ndarray, np.ndarray]:
+        """What may be reconstructed, in parts: their areas (N,) [mm²], and which of K pairs match each, (N, K) bool.
+
+        Parameters
+        ----------
+        pairs : (K,) sequence of (int, int)
+            Cameras, by index.
+        **asked
+            As for `area`.
+        """
+        criterion, chosen = self._asked(asked)
+        if criterion.disparity is None:
+            face, areas, seen = None, self.areas, self.seen & chosen
+        else:
+            face = np.concatenate([self._whole, self._pieces.face])
+            areas = _part_areas(self._scene, self._whole, self._pieces)
+            seen = np.concatenate([self._whole_seen, self._pieces.seen]) & chosen
+        met = criterion.enough(seen, face)
+        both = np.stack([seen[met, i] & seen[met, j] for i, j in pairs], axis=1) if pairs else np.zeros((met.sum(), 0))
+        if criterion.disparity is not None and face is not None:
+            for k, pair in enumerate(pairs):
+                alone = np.zeros(seen.shape[1], dtype=bool)
+                alone[list(pair)] = True
+                both[:, k] = criterion.disparity.matched(face[met], both[:, [k]] & alone, criterion.far)
+        return areas[met], both.astype(bool)
+
     def _demand(self, asked: dict[str, Any]) -> Demand:
         refuse_unknown(asked, {"cameras", "far", *demand_keywords(), "demand"})
         of_demand = {name: value for name, value in asked.items() if name not in ("cameras", "far")}
@@ -209,10 +236,7 @@ def sets_of(scene: Scene, demand: Demand, cameras: tuple[Camera, ...], found: Ta
     """The view sets of cameras whose views have all been counted, as `every_view` has it."""
     surface, counted = scene.surface, scene.counted
     whole = np.flatnonzero(counted & ~found.is_cut & (surface.areas > 0))
-    face = np.concatenate([whole, found.pieces.face])
-    area = surface.areas[face]
-    area[len(whole) :] *= 2 * shapely.area(found.pieces.polygon)
-    area = area if scene.weights is None else area * scene.weights[face]
+    area = _part_areas(scene, whole, found.pieces)
     seen = np.concatenate([found.whole_seen[whole], found.pieces.seen])
     sets, group = _distinct(seen)
     areas = np.bincount(group, weights=area, minlength=len(sets))
@@ -222,6 +246,14 @@ def sets_of(scene: Scene, demand: Demand, cameras: tuple[Camera, ...], found: Ta
         sets[some], areas[some], found.n_repairs, demand, scene, cameras, whole, found.whole_seen[whole], found.pieces,
         number[group],
     )  # fmt: skip
+
+
+def _part_areas(scene: Scene, whole: np.ndarray, pieces: Pieces) -> np.ndarray:
+    """(N,) areas of whole faces and then of pieces [mm²], weighted if weights were given."""
+    face = np.concatenate([whole, pieces.face])
+    area = scene.surface.areas[face]
+    area[len(whole) :] *= 2 * shapely.area(pieces.polygon)
+    return area if scene.weights is None else area * scene.weights[face]
 
 
 def _distinct(seen: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

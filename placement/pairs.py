@@ -9,7 +9,7 @@ from jaxtyping import Bool, Float
 
 import exact
 from placement.samples.sampled_coverage import SampledCoverage
-from placement.samples.viewed_samples import variances_of
+from placement.samples.viewed_samples import pair_matches, variances_of
 
 # Pairs are listed until the rest of them would add less than this part of the area.
 ENOUGH = 1e-3
@@ -68,10 +68,9 @@ class Pairs:
     ):
         self._sets, self._coverage, self._angles = sets, coverage, angles
         self.every = [(int(i), int(j)) for i, j in np.argwhere(np.triu(allowed, k=1))]
-        met = np.concatenate([of_site.met(demand=coverage.demand) for of_site in sets])
-        self._areas = np.concatenate([of_site.areas for of_site in sets])[met]
-        seen = np.concatenate([of_site.seen for of_site in sets])[met]
-        self._both = {pair: seen[:, pair[0]] & seen[:, pair[1]] for pair in self.every}
+        areas, both = zip(*(of_site.paired(self.every, demand=coverage.demand) for of_site in sets), strict=True)
+        self._areas = np.concatenate(areas)
+        self._both = dict(zip(self.every, np.concatenate(both).T, strict=True))
         self._errors: dict[frozenset[tuple[int, int]] | None, float] = {}
 
     def by_area(self) -> tuple[Pair, ...]:
@@ -151,21 +150,25 @@ class Pairs:
 
 @dataclass(frozen=True)
 class _Points:
-    """Samples that all cameras reconstruct, those together that the same cameras see."""
+    """Samples that all cameras reconstruct, those together that the same cameras see and pairs match."""
 
     coverage: SampledCoverage
     angles: Float[np.ndarray, " M"]
     seen: Bool[np.ndarray, "M G"]
     weights: Float[np.ndarray, " G"]
     noise: Float[np.ndarray, " G"]
+    heights: Float[np.ndarray, "3 G"]
 
     @staticmethod
     def of(coverage: SampledCoverage, angles: Float[np.ndarray, " M"]) -> "_Points":
         covered, profiles = coverage.covered(angles), coverage.profiles
+        if coverage.demand.max_disparity_gradient is not None:
+            kept = profiles.subset(covered)
+            return _Points(coverage, angles, kept.at(angles), kept.weights, kept.noise, kept.heights)
         seen, group = np.unique(profiles.at(angles)[:, covered], axis=1, return_inverse=True)
         weights = np.bincount(group.reshape(-1), profiles.weights[covered])
         noise = np.bincount(group.reshape(-1), (profiles.weights * profiles.noise)[covered]) / weights
-        return _Points(coverage, angles, seen, weights, noise)
+        return _Points(coverage, angles, seen, weights, noise, np.zeros((3, len(weights))))
 
     def _used(self, pairs: Sequence[tuple[int, int]]) -> Bool[np.ndarray, "M G"]:
         used = np.zeros_like(self.seen)
@@ -174,6 +177,15 @@ class _Points:
             used[first] |= both
             used[second] |= both
         return used
+
+    def _reconstructed(self, pairs: Sequence[tuple[int, int]]) -> Bool[np.ndarray, " G"]:
+        demand, found = self.coverage.demand, np.zeros(len(self.weights), dtype=bool)
+        for pair in pairs:
+            both = self.seen[list(pair)].all(axis=0)
+            if demand.max_disparity_gradient is not None:
+                both &= pair_matches(self.angles[list(pair)], demand, self.coverage.ring, self.heights)
+            found |= both
+        return found
 
     def _variances(self, used: Bool[np.ndarray, "M G"]) -> Float[np.ndarray, " G"]:
         return variances_of(used, self.angles, self.coverage.ring, self.noise)
@@ -193,7 +205,7 @@ class _Points:
     def suffice(self, pairs: Sequence[tuple[int, int]], within: float) -> bool:
         """Whether these pairs see enough, with at most so many times the error of all cameras."""
         used = self._used(pairs)
-        which = used.any(axis=0)
+        which = self._reconstructed(pairs)
         if self.weights[which].sum() < KEPT * self.weights.sum():
             return False
         return self._mean(self._variances(used), which) <= within**2 * self._everyone

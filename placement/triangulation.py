@@ -13,7 +13,7 @@ from placement.errors import refusing
 from placement.samples.profiles import Visibility
 from placement.samples.sampled_site import faces_towards, heights_of, in_view, noise_of
 from placement.samples.sampling import sample_surface
-from placement.samples.viewed_samples import samples_met
+from placement.samples.viewed_samples import pair_matches, samples_met
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,7 +99,7 @@ def triangulation(
         Of the samples.
     exclude, weights, threshold, min_baseline, demand
         What of the mesh counts and what makes a point count, as for `exact.evaluate`. Only pairs of cameras that are
-        far enough apart triangulate.
+        far enough apart, and match the point, triangulate.
 
     Returns
     -------
@@ -142,6 +142,8 @@ def triangulation(
     for i in range(len(theta)):
         for j in np.flatnonzero(far[i, :i]):
             both = seen[i, reconstructed] & seen[j, reconstructed]
+            if demand.max_disparity_gradient is not None:
+                both &= pair_matches(theta[[i, j]], demand, ring, heights[:, reconstructed])
             # 2 asin(half the difference) keeps its digits for small angles, acos of the product does not.
             angle = 2 * np.arcsin(np.minimum(np.linalg.norm(rays[i] - rays[j], axis=1) / 2, 1.0))
             best = np.maximum(best, np.where(both, angle, 0.0))

@@ -271,12 +271,19 @@ def samples_matched(
     heights: Float[np.ndarray, "3 N"],
 ) -> Bool[np.ndarray, " N"]:
     """(N,) bool: which samples two cameras see that match them: far enough apart, by a small enough gradient."""
-    own = np.asarray(demand.max_disparity_gradient) / 2 * (around(angles).T @ heights)
-    chords = ring.diameter * np.abs(np.sin((angles[:, None] - angles[None, :]) / 2))
     matched = np.zeros(seen.shape[1], dtype=bool)
-    for one, other in zip(*np.nonzero(np.triu(demand.apart(chords), k=1)), strict=True):
-        matched |= seen[one] & seen[other] & (chords[one, other] <= own[one] + own[other])
+    for one, other in zip(*np.nonzero(np.triu(far_apart(angles, angles, demand, ring), k=1)), strict=True):
+        matched |= seen[one] & seen[other] & pair_matches(angles[[one, other]], demand, ring, heights)
     return matched
+
+
+def pair_matches(
+    angles: Float[np.ndarray, "2"], demand: exact.Demand, ring: exact.Ring, heights: Float[np.ndarray, "3 N"]
+) -> Bool[np.ndarray, " N"]:
+    """(N,) bool: on which samples' faces the gradient of the cameras at two ring angles [rad] is small enough."""
+    chord = ring.diameter * np.abs(np.sin((angles[0] - angles[1]) / 2))
+    mean = around(angles).mean(axis=1) @ heights
+    return chord <= np.asarray(demand.max_disparity_gradient) * mean
 
 
 def around(angles: Float[np.ndarray, " M"]) -> Float[np.ndarray, "3 M"]:

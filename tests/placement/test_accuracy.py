@@ -183,6 +183,19 @@ def test_samples_match_where_the_evaluator_does(artery):
         assert samples.weights[met].sum() == pytest.approx(exactly, rel=0.01)
 
 
+def test_pairs_to_reconstruct_from_match_what_they_see(artery):
+    problem = Problem(artery, RING, settings=QUICK, max_disparity_gradient=0.8)
+    found = placement.robustness(problem, np.radians([0.0, 25.0, 180.0, 215.0]), n_mountings=1)
+    area = exact.evaluate(artery, RING.cameras(found.angles), max_disparity_gradient=0.8).area
+    for pair in found.pairs:
+        cameras = RING.cameras([found.angles[number] for number in pair.cameras])
+        alone = exact.evaluate(artery, cameras, max_disparity_gradient=0.8).area
+        assert pair.area == pytest.approx(alone, rel=1e-9)
+    assert 0.99 * area <= found.pairs[-1].together <= area * (1 + 1e-9)
+    assert 0.98 * area <= found.accurate_pairs[-1].together <= area * (1 + 1e-9)
+    assert len(found.accurate_pairs) < 6
+
+
 @pytest.mark.parametrize("steepest", [0.4, 1.0])
 def test_no_layout_on_a_coarse_grid_matches_more(artery, steepest):
     """Every layout of three cameras at multiples of 15°, by the exact areas of what they see."""
