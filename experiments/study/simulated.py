@@ -60,7 +60,9 @@ def _compute(asked: SweepRequest) -> None:
         "command": asked.command, "quick": asked.quick, "detail": asked.detail, "seed": SEED,
         **asdict(plan), "limits": ways,
     }  # fmt: skip
-    hashes = {f"{site[0]} {site[1]} {asked.detail}": named(site, asked.detail)[2] for site in plan.sites}
+    hashes = {
+        f"{site[0]} {site[1]} {asked.detail}": named(site, asked.detail)[2] for site in (*plan.sites, *plan.tested)
+    }
     write_record(
         out / RECORD, settings, hashes, [*first, *second, *third], [*searched, *simulated, *areas], pool,
         time.monotonic() - started, n_resumed + n_more + n_most,

@@ -1,4 +1,4 @@
-"""The layouts of the simulated study: equidistant, of most area, and as they are proposed."""
+"""The layouts of the simulated study: equidistant, of most area, as proposed, and with a bound on disparity."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -10,8 +10,9 @@ import meshes
 import placement
 from experiments.paper.areas import site_mesh
 
-# Kinds of layouts that are compared.
-KINDS = ("equidistant", "most area", "proposed")
+# Kinds of layouts that are compared: the last is proposed where two cameras must match a point, by this gradient.
+KINDS = ("equidistant", "most area", "proposed", "matched")
+MATCHED = 0.5
 # A reference site and its depth [mm].
 Site = tuple[str, int]
 
@@ -33,6 +34,12 @@ def layouts(site: Sequence, detail: str, n_cameras: int) -> dict[str, Any]:
     """
     mesh = site_mesh(str(site[0]), int(site[1]), detail, str(site[2]))
     ring = exact.Ring()
-    found = placement.optimise(mesh, ring, n_cameras=n_cameras, exclude=meshes.top_surface(mesh), certify=False)
-    angles = (ring.equidistant(n_cameras), found.most_area.angles, found.angles)
+    found, matched = (
+        placement.optimise(
+            mesh, ring, n_cameras=n_cameras, exclude=meshes.top_surface(mesh), max_disparity_gradient=steepest,
+            certify=False,
+        )
+        for steepest in (None, MATCHED)
+    )  # fmt: skip
+    angles = (ring.equidistant(n_cameras), found.most_area.angles, found.angles, matched.angles)
     return {kind: np.degrees(one).round(9).tolist() for kind, one in zip(KINDS, angles, strict=True)}

@@ -7,9 +7,9 @@ import numpy as np
 from matplotlib.figure import Figure
 from tabulate import tabulate
 
-from experiments.figures.palette import BLUE, GREY, ORANGE
+from experiments.figures.palette import BLUE, GREEN, GREY, ORANGE
 from experiments.files.whole import written_whole
-from experiments.study.simulated_layouts import KINDS
+from experiments.study.simulated_layouts import KINDS, MATCHED
 from experiments.study.simulated_rows import (
     PREDICTIONS,
     TOLERANCE_WORDS,
@@ -21,7 +21,7 @@ from experiments.study.simulated_rows import (
 from experiments.study.simulated_tasks import MATCH_NOISE, MAX_ERROR
 
 FIGURE, PAGE = "simulated.png", "simulated.md"
-MARKS = ("o", "s", "^", "D")
+MARKS = ("o", "s", "^", "D", "v", "P", "X", "*")
 
 
 def main_width(rows: Sequence[SimulatedRow]) -> int:
@@ -60,10 +60,14 @@ def headline(rows: Sequence[SimulatedRow], limits: Sequence[LimitRow]) -> list[s
                 f"At {one} px, what is matched is told best by {'at least' if kind == 'density' else 'at most'} "
                 f"{best:.3g}{unit}: wrong for {100 * row.disagree:.1f} % of what is seen."
             )
-    together = ", ".join(f"{way} {rank_correlation(of, way):.3f}" for way in PREDICTIONS)
-    said.append(
-        f"Rank correlation of predicted and reconstructed area ({TOLERANCE_WORDS}) over {len(of)} layouts: {together}."
-    )
+    for tested, words in ((False, "of the sites that the limits were chosen on"), (True, "of other sites")):
+        some = [row for row in of if row.tested == tested]
+        if some:
+            together = ", ".join(f"{way} {rank_correlation(some, way):.3f}" for way in PREDICTIONS)
+            said.append(
+                f"Rank correlation of predicted and reconstructed area ({TOLERANCE_WORDS}) over {len(some)} layouts "
+                f"{words}: {together}."
+            )
     return said
 
 
@@ -74,7 +78,8 @@ def page(rows: Sequence[SimulatedRow], limits: Sequence[LimitRow]) -> str:
     parts = [
         "# The simulated reconstruction",
         "Rendered images of equidistant, most-area and proposed layouts of reference sites without their top surface, "
-        "matched and triangulated, beside the exact area that is predicted. Ring 30 mm at 400 mm, field of view "
+        f"and of those proposed where two cameras must match a point (disparity gradient at most {MATCHED:g}), matched "
+        "and triangulated, beside the exact area that is predicted. Ring 30 mm at 400 mm, field of view "
         f"36 × 24 mm, all pairs matched, {MATCH_NOISE:g} px of noise expected; where an error is asked for, at most "
         f"{MAX_ERROR:g} mm along the normal. `camring study --simulated` makes this page.",
         "\n".join(f"- {sentence}" for sentence in headline(rows, limits)),
@@ -102,10 +107,15 @@ def page(rows: Sequence[SimulatedRow], limits: Sequence[LimitRow]) -> str:
 
 def _correlations(rows: Sequence[SimulatedRow]) -> str:
     lines = []
-    for site in dict.fromkeys(row.site for row in rows):
-        of = [row for row in rows if row.site == site]
-        lines.append([site, str(len(of)), *(f"{rank_correlation(of, way):.3f}" for way in PREDICTIONS)])
-    lines.append(["all", str(len(rows)), *(f"{rank_correlation(rows, way):.3f}" for way in PREDICTIONS)])
+    for site, depth in dict.fromkeys((row.site, row.depth_mm) for row in rows):
+        of = [row for row in rows if (row.site, row.depth_mm) == (site, depth)]
+        lines.append(
+            [f"{site}, {depth} mm", str(len(of)), *(f"{rank_correlation(of, way):.3f}" for way in PREDICTIONS)]
+        )
+    for tested in sorted({row.tested for row in rows}):
+        of = [row for row in rows if row.tested == tested]
+        name = "all others, for a test" if tested else "all that limits were chosen on"
+        lines.append([name, str(len(of)), *(f"{rank_correlation(of, way):.3f}" for way in PREDICTIONS)])
     return _table(lines, ["site", "layouts", *PREDICTIONS])
 
 
@@ -123,15 +133,16 @@ def _write_figure(path: Path, rows: Sequence[SimulatedRow], limits: Sequence[Lim
     left, *others = figure.subplots(1, 4)
     width = main_width(rows)
     of = [row for row in rows if row.width_px == width and not row.failure]
-    for site, mark in zip(dict.fromkeys(row.site for row in of), MARKS, strict=False):
-        for kind, colour in zip(KINDS, (GREY, ORANGE, BLUE), strict=True):
-            chosen = [row for row in of if (row.site, row.kind) == (site, kind)]
-            left.plot([row.predicted("gradient and error") for row in chosen], [row.within_03_mm2 for row in chosen],
-                      mark, color=colour, ms=5, label=f"{site}, {kind}" if kind == "proposed" else None)  # fmt: skip
+    for (site, depth), mark in zip(dict.fromkeys((row.site, row.depth_mm) for row in of), MARKS, strict=False):
+        for kind, colour in zip(KINDS, (GREY, ORANGE, BLUE, GREEN), strict=True):
+            chosen = [row for row in of if (row.site, row.depth_mm, row.kind) == (site, depth, kind)]
+            label = f"{site}, {depth} mm" if kind == "proposed" else None
+            both = [(row.predicted("gradient and error"), row.within_03_mm2) for row in chosen]
+            left.plot(*zip(*both, strict=True), mark, color=colour, ms=5, label=label)
     low, high = left.get_xlim()
     left.plot([low, high], [low, high], ":", color=GREY)
     left.set(xlabel="predicted, with gradient and error [mm²]", ylabel=f"reconstructed {TOLERANCE_WORDS} [mm²]",
-             title="grey: equidistant, orange: most area")  # fmt: skip
+             title="grey: equidistant, orange: most area,\nblue: proposed, green: matched")  # fmt: skip
     left.legend(frameon=False, fontsize=8)
     names = (("incidence", "greatest incidence [°]"), ("density", "least density [px/mm²]"),
              ("gradient", "greatest disparity gradient"))  # fmt: skip

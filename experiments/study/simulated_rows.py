@@ -22,7 +22,7 @@ PREDICTIONS = (
 class SimulatedRow:
     """One layout: areas predicted and measured [mm²], noise of matches [pixels], accuracy on facing surfaces [mm].
 
-    Predicted areas are exact; None where a task failed.
+    `tested` are those that the limits were not chosen on. Predicted areas are exact; None where a task failed.
     """
 
     site: str
@@ -30,6 +30,7 @@ class SimulatedRow:
     n_cameras: int
     kind: str
     width_px: int
+    tested: bool
     angles_deg: tuple[float, ...] = ()
     no_limits_mm2: float | None = None
     error_mm2: float | None = None
@@ -56,7 +57,9 @@ class SimulatedRow:
 
 @dataclass(frozen=True)
 class LimitRow:
-    """One limit over all layouts of a resolution: sampled area that meets it, and what of it was reconstructed [mm²].
+    """One limit over all layouts of a resolution that it may be chosen on: areas sampled [mm²].
+
+    `met_mm2` meets it, and of that `both_mm2` was reconstructed.
 
     `kind` is "incidence" [degrees], "density" [px/mm²] or "gradient", perhaps "and error".
     """
@@ -76,10 +79,14 @@ class LimitRow:
 
 
 def limit_rows(found: Sequence[tuple[dict[str, Any], Outcome]]) -> list[LimitRow]:
-    """Every limit, summed over the layouts of each resolution."""
+    """Every limit, summed over the layouts of each resolution, without those that it is tested on."""
     rows = []
     for width in dict.fromkeys(about["width_px"] for about, _ in found):
-        results = [one.result for about, one in found if about["width_px"] == width and one.result is not None]
+        results = [
+            one.result
+            for about, one in found
+            if about["width_px"] == width and not about["tested"] and one.result is not None
+        ]
         if not results:
             continue
         made = sum(one["limits"]["reconstructed"] for one in results)
@@ -148,7 +155,7 @@ def rank_correlation(rows: Sequence[SimulatedRow], way: str) -> float:
 
     Examples
     --------
-    >>> rows = [SimulatedRow("a", 50, 2, "proposed", 720, no_limits_mm2=area, within_03_mm2=area**2)
+    >>> rows = [SimulatedRow("a", 50, 2, "proposed", 720, False, no_limits_mm2=area, within_03_mm2=area**2)
     ...         for area in (1.0, 3.0, 2.0)]
     >>> rank_correlation(rows, "no limits")
     1.0

@@ -53,25 +53,16 @@ def made_up():
         for n in (2, 4, 6):
             for number, kind in enumerate(KINDS):
                 area = 1000.0 * n + 10 * number
-                rows.append(
-                    SimulatedRow(
-                        "circ_flat",
-                        50,
-                        n,
-                        kind,
-                        width,
-                        (0.0, 90.0),
-                        *[area] * 8,
-                        area,
-                        *[area / 2] * 4,
-                        0.1,
-                        0.05,
-                        0.04,
-                    )
-                )
+                predicted = {f"{way.replace(' ', '_')}_mm2": area for way in PREDICTIONS}
+                within = {f"within_{one}_mm2": area / 2 for one in ("01", "02", "03", "05")}
+                row = SimulatedRow(
+                    "circ_flat", 50, n, kind, width, n == 6, (0.0, 90.0), **predicted, **within, seen_mm2=area,
+                    match_noise_px=0.1, facing_measured_mm=0.05, facing_predicted_mm=0.04,
+                )  # fmt: skip
+                rows.append(row)
         limits += [LimitRow(width, kind, limit, 100.0 * limit, min(100.0 * limit, 200.0), 200.0, 1000.0)
                    for kind in ("incidence", "density", "gradient") for limit in (1.0, 2.0, 3.0)]  # fmt: skip
-    failed = SimulatedRow("circ_flat", 50, 8, "proposed", 720, failure="MemoryError: no, really")
+    failed = SimulatedRow("circ_flat", 50, 8, "proposed", 720, False, failure="MemoryError: no, really")
     return [*rows, rows[-1], failed], limits
 
 
@@ -103,7 +94,11 @@ def test_what_is_committed_holds_what_is_said():
     assert not any("failure" in task for task in record["tasks"]) and not any(row.failure for row in rows)
     width = main_width(rows)
     of = [row for row in rows if row.width_px == width]
-    assert len({row.site for row in of}) == 4 and len(of) >= 24 and width == Plan.of(False).width
+    chosen, tested = ([row for row in of if row.tested == one] for one in (False, True))
+    assert {(row.site, row.depth_mm) for row in chosen} == set(Plan.of(False).sites) and len(chosen) >= 24
+    assert {(row.site, row.depth_mm) for row in tested} == set(Plan.of(False).tested) and len(tested) >= 24
+    assert width == Plan.of(False).width
+    assert min(rank_correlation(some, "gradient") for some in (chosen, tested)) > 0.9
     for row in rows:
         ratio = row.facing_measured_mm / row.facing_predicted_mm
         assert 1 / 1.5 < ratio < 1.5, row
