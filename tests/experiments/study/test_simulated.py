@@ -1,6 +1,7 @@
 """camring study --simulated: its tasks, what is made of its rows, and that the committed ones hold what is said."""
 
 import json
+from typing import Any
 
 import numpy as np
 import pytest
@@ -53,8 +54,8 @@ def made_up():
         for n in (2, 4, 6):
             for number, kind in enumerate(KINDS):
                 area = 1000.0 * n + 10 * number
-                predicted = {f"{way.replace(' ', '_')}_mm2": area for way in PREDICTIONS}
-                within = {f"within_{one}_mm2": area / 2 for one in ("01", "02", "03", "05")}
+                predicted: dict[str, Any] = {f"{way.replace(' ', '_')}_mm2": area for way in PREDICTIONS}
+                within: dict[str, Any] = {f"within_{one}_mm2": area / 2 for one in ("01", "02", "03", "05")}
                 row = SimulatedRow(
                     "circ_flat", 50, n, kind, width, n == 6, (0.0, 90.0), **predicted, **within, seen_mm2=area,
                     match_noise_px=0.1, facing_measured_mm=0.05, facing_predicted_mm=0.04,
