@@ -118,6 +118,10 @@ SETTINGS = {
         ),
         Setting("max_error", "greatest error", "mm", "demand", "max_error", (0.01, 1.0), 0.005, optional=True),
         Setting(
+            "max_disparity_gradient", "disparity gradient of some two views", "", "demand", "max_disparity_gradient",
+            (0.05, 5.0), 0.05, optional=True,
+        ),
+        Setting(
             "max_incidence", "greatest angle from the normal", "°", "limits", "max_incidence", (10.0, 89.0), 0.5,
             optional=True, factor=math.pi / 180,
         ),

@@ -25,6 +25,7 @@ DEMANDS = {
     "one view": exact.Demand(1),
     "normal, limits": NORMAL,
     "baseline, error": exact.Demand(2, min_baseline=12.0, max_error=0.08),
+    "disparity": exact.Demand(2, max_disparity_gradient=0.6),
 }
 
 

@@ -101,7 +101,14 @@ def test_history_goes_back_and_forth_and_forgets_the_oldest():
 
 def test_history_is_kept_whole(tmp_path):
     asked = session(design((1.2, 2.5, 4.0), forbidden=ARCS, fixed=(2.5,)))
-    turned = {"max_error": 0.2, "depth_near": 350.0, "max_incidence": 80.0, "min_baseline": 3.0, "min_angle": 1.5}
+    turned = {
+        "max_error": 0.2,
+        "max_disparity_gradient": 0.5,
+        "depth_near": 350.0,
+        "max_incidence": 80.0,
+        "min_baseline": 3.0,
+        "min_angle": 1.5,
+    }
     for name, value in turned.items():
         asked.act({"do": "turn", "name": name, "value": value})
     asked.act({"do": "drop"})
