@@ -16,6 +16,7 @@ from experiments.files.whole import written_whole
 from experiments.report import request_text as report_words
 from experiments.report.drawings import count_drawing, histogram_drawing, ring_drawing, tradeoff_drawing
 from experiments.report.scene import DrawnSurface, drawn_surface, packed
+from experiments.report.simulated import simulated
 from experiments.request.layout_file import LayoutFile, constraints_of
 from experiments.tables.layouts import SHARES
 from experiments.tables.robustness import PAIRS_SHOWN_UNTIL, accurate_pairs_words, consensus_words
@@ -52,7 +53,8 @@ def write(path: Path, made: LayoutFile, shown: exact.Scene) -> None:
     Parameters
     ----------
     path : pathlib.Path
-        The page; count.csv and tradeoff.csv beside it, if they are of the same request, are shown too.
+        The page; count.csv and tradeoff.csv beside it, if they are of the same request, and simulation.json, if of the
+        same layout, are shown too.
     made : LayoutFile
     shown : exact.Scene
         The first of the meshes that the layout was made for, and what of it counts.
@@ -117,6 +119,7 @@ def page(made: LayoutFile, shown: exact.Scene, folder: Path) -> str:
         certificate=content["certificate"],
         count=_count(made, folder / "count.csv"),
         tradeoff=_tradeoff(made, folder / "tradeoff.csv"),
+        simulated=simulated(made, folder),
         command=report_words.command(made),
         rig=report_words.rig(made),
         hashes=[(about["name"], about["sha256"]) for about in content["meshes"]],

@@ -54,6 +54,8 @@ class Asked:
     pairs : tuple of (int, int) or None
         Those that are matched; None for all.
     seed : int
+    rolls : (M,) ndarray or None
+        The cameras' own [rad]; None for those of the ring.
     """
 
     name: str
@@ -65,6 +67,7 @@ class Asked:
     colours: np.ndarray | None = None
     pairs: tuple[tuple[int, int], ...] | None = None
     seed: int = 0
+    rolls: np.ndarray | None = None
 
     def __post_init__(self):
         if len(self.angles) < 2:
@@ -74,7 +77,7 @@ class Asked:
     @property
     def cameras(self) -> tuple[NamedCamera, ...]:
         """The cameras, with the size of their images."""
-        return named_cameras(self.ring, self.angles, self.demand.optics.resolution)
+        return named_cameras(self.ring, self.angles, self.demand.optics.resolution, self.rolls)
 
     @property
     def matched(self) -> tuple[tuple[int, int], ...]:
@@ -180,7 +183,7 @@ def simulate(asked: Asked, folder: Path, report: Callable[[str], object] = lambd
     InputError, exact.ExactError
     """
     samples = Samples.of(asked.scene, [one.camera for one in asked.cameras], asked.demand, asked.seed)
-    predicted = exact.evaluate(asked.scene, asked.ring.cameras(asked.angles), demand=asked.demand)
+    predicted = exact.evaluate(asked.scene, asked.ring.cameras(asked.angles, asked.rolls), demand=asked.demand)
     prepare(asked, folder)
     formats.write(folder, CAMERAS, asked.cameras, None)
     images = asked.photographer.take(folder / IMAGES, asked.cameras, lambda name: report(asked.step(name)))
@@ -231,7 +234,7 @@ def _fused(estimates: list[Estimate], truth: TrueDepth, match_noise: float) -> t
 def equidistant(asked: Asked) -> Asked:
     """The same with as many cameras, equidistant, all pairs of which are matched."""
     angles = asked.ring.equidistant(len(asked.angles))
-    return replace(asked, name="equidistant", angles=angles, pairs=None)
+    return replace(asked, name="equidistant", angles=angles, rolls=None, pairs=None)
 
 
 def named_pairs(content: dict[str, Any], n_cameras: int) -> tuple[tuple[int, int], ...] | None:

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from experiments.files.table import finite
+from experiments.request.layout_file import rolls_content
 from experiments.simulate.compare import TOLERANCE, TOLERANCES
 from experiments.simulate.simulation import Simulated
 from experiments.simulate.truth import FACING
@@ -67,6 +68,7 @@ def summary(found: Simulated) -> dict[str, Any]:
     return {
         "layout": asked.name,
         "ring_angles_deg": np.degrees(asked.angles).tolist(),
+        **rolls_content(None if asked.rolls is None else tuple(asked.rolls.tolist())),
         "pairs": [[i + 1, j + 1] for i, j in asked.matched],
         "predicted_area_mm2": found.predicted.area,
         "counts_when": asked.demand.clause(),

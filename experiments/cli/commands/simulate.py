@@ -1,6 +1,7 @@
 """camring simulate: what comes out when the images of a layout's cameras are rendered, matched and triangulated."""
 
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
+from importlib.metadata import version
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,6 +16,7 @@ from experiments.request import layout_file
 from experiments.request import rig as rig_file
 from experiments.request.request import Request, request
 from experiments.request.rig import overridden
+from experiments.simulate import ERRORS, FIGURES, OUTPUTS, PREDICTION, TABLE
 from experiments.terminal.console import note, print_json, table, terminal
 from experiments.terminal.progress import progress_tasks
 
@@ -23,7 +25,6 @@ if TYPE_CHECKING:  # at run time they would bring the extra along
 
 # What the extra brings.
 NEEDED = {"mitsuba": "mitsuba", "cv2": "opencv-python-headless"}
-TABLE, PREDICTION, ERRORS, FIGURES = OUTPUTS = ("simulation.csv", "prediction.png", "errors.png", "simulation.json")
 DEPTHS, CLOUD = OF_A_LAYOUT = ("depths.png", "reconstruction.ply")
 # Pixels along the longer side of a quick image.
 QUICK = 900
@@ -39,6 +40,7 @@ class _Cameras:
     angles: np.ndarray
     demand: exact.Demand
     pairs: tuple[tuple[int, int], ...] | None
+    rolls: np.ndarray | None = None
 
 
 def run(
@@ -69,7 +71,7 @@ def run(
         colours = None
     first = Asked(
         cameras.name, scene, cameras.ring, cameras.angles, cameras.demand, asked.rig.simulation, colours, cameras.pairs,
-        asked.rig.seed,
+        asked.rig.seed, cameras.rolls,
     )  # fmt: skip
     wanted = _beside(first) if beside_equidistant else [first]
     results_folder(out, OUTPUTS, asked.subjects[0], force)
@@ -81,7 +83,7 @@ def run(
     with progress_tasks("simulating", steps, done) as progress:
         for one in wanted:
             found.append(simulate(one, out / one.name, progress))
-    _tell(out, asked.name, found, as_json)
+    _tell(out, asked, found, as_json)
 
 
 def refuse_without_extra(command: str) -> None:
@@ -133,7 +135,7 @@ def _asked(
         demand = overridden(made.moved_to(asked.ring), options)
         every = asked.rig.simulation.matched == "all"
         pairs = None if every else named_pairs(made.content, len(made.angles))
-        cameras = _Cameras("layout", asked.ring, made.angles, demand, pairs)
+        cameras = _Cameras("layout", asked.ring, made.angles, demand, pairs, made.rolls)
     if quick:
         cameras = replace(cameras, demand=_smaller(cameras.demand, cameras.ring))
     return cameras, asked
@@ -151,21 +153,31 @@ def _beside(first: "Asked") -> "list[Asked]":
     from experiments.simulate.simulation import equidistant
 
     other = equidistant(first)
-    same = len(first.angles) == len(other.angles) and np.allclose(np.sort(first.angles), np.sort(other.angles))
+    same = first.rolls is None and np.allclose(np.sort(first.angles), np.sort(other.angles))
     return [first] if same else [first, other]
 
 
-def _tell(out: Path, name: str, found: "list[Simulated]", as_json: bool) -> None:
+def _tell(out: Path, request: Request, found: "list[Simulated]", as_json: bool) -> None:
     """Write and print what came out."""
     from experiments.simulate import drawings, tables
 
+    name, first = request.name, found[0].asked
     for one in found:
         drawings.write_depths(out / one.asked.name / DEPTHS, one)
         drawings.write_cloud(out / one.asked.name / CLOUD, one)
     write_table(out / TABLE, [row for one in found for row in tables.classes(one)])
     drawings.write_prediction(out / PREDICTION, name, found)
     drawings.write_errors(out / ERRORS, name, found)
-    content = {"mesh": name, "layouts": [tables.summary(one) for one in found]}
+    content = {
+        "mesh": name,
+        "mesh_sha256": first.scene.mesh_hash,
+        "ring": layout_file.ring_content(first.ring),
+        "demand": asdict(first.demand),
+        "simulation": asdict(first.simulation),
+        "seed": first.seed,
+        "versions": {one: version(one) for one in ("camring", "numpy", "shapely", *NEEDED.values())},
+        "layouts": [tables.summary(one) for one in found],
+    }
     layout_file.write(out / FIGURES, content)
     if as_json:
         print_json(content)
@@ -174,9 +186,9 @@ def _tell(out: Path, name: str, found: "list[Simulated]", as_json: bool) -> None
         for row in tables.headline(found):
             shown.add_row(*row)
         console = terminal()
-        console.print(f"{name}: {found[0].asked.demand.optics.resolution[0]} x "
-                      f"{found[0].asked.demand.optics.resolution[1]} pixels, match noise "
-                      f"{found[0].asked.demand.optics.match_noise:g} px assumed")  # fmt: skip
+        optics = first.demand.optics
+        width, height = optics.resolution
+        console.print(f"{name}: {width} x {height} pixels, match noise {optics.match_noise:g} px assumed")
         console.print(shown)
     folders = ", ".join(str(out / one.asked.name) for one in found)
     note(f"wrote {', '.join(str(out / name) for name in OUTPUTS)}; images, depth maps and points in {folders}")

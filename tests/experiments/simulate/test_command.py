@@ -197,3 +197,51 @@ def test_lamps_stand_beside_the_cameras_unless_there_are_others(desk, tmp_path, 
     lit = exact.evaluate(mesh, cameras, lights=[(200.0, 0.0, 100.0)]).area
     assert aside["predicted_area_mm2"] == pytest.approx(lit, rel=1e-12)
     assert lit < exact.evaluate(mesh, cameras).area - 5
+
+
+def test_cameras_that_are_turned_take_turned_images(desk, tmp_path, camring, undrawn):
+    content = json.loads((desk / "layout.json").read_text(encoding="utf-8"))
+    del content["robustness"]
+    angles, rolls = [20.0, 200.0], [90.0, 60.0]
+    content |= {"angles_deg": angles, "rolls_deg": rolls}
+    (tmp_path / "turned.json").write_text(json.dumps(content), encoding="utf-8")
+    request = ("simulate", desk / "step.stl", "--layout", tmp_path / "turned.json", "--fov", "24x16", *SMALL)
+    assert camring(*request, "--out", tmp_path / "sim")[0] == 2  # a layout brings its own field of view
+    status, printed, said = camring(*request[:4], *SMALL, "--out", tmp_path / "sim", "--json")
+    assert status == 0, said
+    turned, even = json.loads(printed)["layouts"]
+    assert turned["rolls_deg"] == pytest.approx(rolls) and "rolls_deg" not in even
+    cameras = exact.Ring().cameras(np.radians(angles), np.radians(rolls))
+    own = exact.evaluate(trimesh.load(desk / "step.stl"), cameras).area
+    assert turned["predicted_area_mm2"] == pytest.approx(own, rel=1e-9)
+    written = json.loads((tmp_path / "sim" / "layout" / "opencv.json").read_text(encoding="utf-8"))["cameras"]
+    for one, camera in zip(written, cameras, strict=True):
+        assert np.array(one["R"]) == pytest.approx(camera.rotation, abs=1e-9)
+
+
+def test_a_report_in_the_same_folder_shows_it(desk, tmp_path, camring, quick_search):
+    out, step = tmp_path / "out", desk / "step.stl"
+    (tmp_path / "rig.toml").write_text(quick_search, encoding="utf-8")
+    request = ("optimise", step, "--rig", tmp_path / "rig.toml", "--cameras", 2, "--no-robustness", "--out", out)
+    assert camring(*request)[0] == 0
+    small = ("--pixels", "180x120", "--rays", "1", "--no-equidistant")
+    assert camring("simulate", step, "--layout", out / "layout.json", *small, "--out", out)[0] == 0
+    (one,) = json.loads((out / "simulation.json").read_text(encoding="utf-8"))["layouts"]
+
+    def reported():
+        status, _, said = camring("report", out, "--mesh", step, "--force")
+        return status, " ".join(said.split()), (out / "report.html").read_text(encoding="utf-8")
+
+    status, said, page = reported()
+    assert status == 0, said
+    assert "What came out of images" in page and f"<td>{one['measured_areas_mm2']['0.3']:.1f}</td>" in page
+    assert page.count('<img class="picture" src="data:image/png;base64,') == 2
+    text = (out / "simulation.json").read_text(encoding="utf-8")
+    content = json.loads(text)
+    content["layouts"][0]["ring_angles_deg"][0] += 1e-3
+    (out / "simulation.json").write_text(json.dumps(content), encoding="utf-8")
+    status, said, page = reported()
+    assert status == 0 and "is of another layout or mesh" in said and "What came out of images" not in page
+    (out / "simulation.json").write_text(text.replace("measured_areas_mm2", "areas"), encoding="utf-8")
+    status, said, _ = reported()
+    assert status == 2 and "is no result of camring simulate" in said
