@@ -2,12 +2,12 @@
 
 import sys
 from dataclasses import replace
-from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from platformdirs import user_state_path
 
+from experiments.cli.extras import refuse_without
 from experiments.cli.options import MESH
 from experiments.files.errors import InputError
 from experiments.files.whole import output_folder
@@ -22,8 +22,6 @@ if TYPE_CHECKING:  # at run time they would bring the extra along
     from experiments.design.design import Design
     from experiments.design.session import Reader
 
-# What the extra brings.
-NEEDED = ("starlette", "uvicorn", "websockets")
 SESSION = "session.json"
 RING_OPTIONS = ("fov", "diameter", "working_distance", "focus", "axis", "zero_towards", "roll", "roll_deg")
 
@@ -42,12 +40,7 @@ def run(
     as_json: bool,
 ) -> None:
     """Serve; `options` are those of the rig, by the names of their keys."""
-    missing = [name for name in NEEDED if find_spec(name) is None]
-    if missing:
-        raise InputError(
-            f"camring design needs {', '.join(missing)}, which {'is' if len(missing) == 1 else 'are'} not installed; "
-            "pip install 'camring[design]'"
-        )
+    refuse_without("design", "camring design")
     from experiments.design import server
     from experiments.design.history import History
     from experiments.design.session import Reader, Session

@@ -2,13 +2,13 @@
 
 from dataclasses import asdict, dataclass, replace
 from importlib.metadata import version
-from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 import exact
+from experiments.cli.extras import EXTRAS, refuse_without
 from experiments.cli.results_folder import results_folder
 from experiments.files.errors import InputError
 from experiments.files.table import write_table
@@ -23,8 +23,6 @@ from experiments.terminal.progress import progress_tasks
 if TYPE_CHECKING:  # at run time they would bring the extra along
     from experiments.simulate.simulation import Asked, Simulated
 
-# What the extra brings.
-NEEDED = {"mitsuba": "mitsuba", "cv2": "opencv-python-headless"}
 DEPTHS, CLOUD = OF_A_LAYOUT = ("depths.png", "reconstruction.ply")
 # Pixels along the longer side of a quick image.
 QUICK = 900
@@ -58,7 +56,7 @@ def run(
     as_json: bool,
 ) -> None:
     """Simulate, print and write; `options` are those of the rig, by the names of their keys."""
-    refuse_without_extra("camring simulate")
+    refuse_without("simulate", "camring simulate")
     from experiments.simulate.simulation import Asked, prepare, simulate
 
     cameras, asked = _asked(mesh, rig_path, options, layout, depth, detail, quick, force)
@@ -84,21 +82,6 @@ def run(
         for one in wanted:
             found.append(simulate(one, out / one.name, progress))
     _tell(out, asked, found, as_json)
-
-
-def refuse_without_extra(command: str) -> None:
-    """Refuse a command where what renders and matches images is not installed.
-
-    Raises
-    ------
-    InputError
-    """
-    missing = [name for module, name in NEEDED.items() if find_spec(module) is None]
-    if missing:
-        raise InputError(
-            f"{command} needs {', '.join(missing)}, which {'is' if len(missing) == 1 else 'are'} not installed; "
-            'pip install "camring[simulate]"'
-        )
 
 
 def _asked(
@@ -175,7 +158,7 @@ def _tell(out: Path, request: Request, found: "list[Simulated]", as_json: bool) 
         "demand": asdict(first.demand),
         "simulation": asdict(first.simulation),
         "seed": first.seed,
-        "versions": {one: version(one) for one in ("camring", "numpy", "shapely", *NEEDED.values())},
+        "versions": {one: version(one) for one in ("camring", "numpy", "shapely", *EXTRAS["simulate"].values())},
         "layouts": [tables.summary(one) for one in found],
     }
     layout_file.write(out / FIGURES, content)

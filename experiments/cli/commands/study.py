@@ -5,7 +5,7 @@ from dataclasses import asdict
 from pathlib import Path
 
 import meshes
-from experiments.cli.commands.simulate import refuse_without_extra
+from experiments.cli.extras import refuse_without
 from experiments.files.whole import output_folder
 from experiments.study.report import CAPTIONS, write_report
 from experiments.study.rows import EquidistantRow, LayoutRow, equidistant_rows, layout_row, read_rows, write_rows
@@ -27,7 +27,7 @@ def run(
     command = "camring study --simulated" if simulated else "camring study"
     asked = SweepRequest(command, quick, report_only, detail, scheduler, out, force, as_json)
     if simulated:
-        refuse_without_extra(command)
+        refuse_without("simulate", command)
         from experiments.study import simulated as study_simulated  # it brings the extra along
 
         study_simulated.run(asked)

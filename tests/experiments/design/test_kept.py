@@ -136,9 +136,7 @@ def test_without_the_extra_it_says_which(plate, camring, monkeypatch):
     import importlib.util
 
     found = importlib.util.find_spec
-    monkeypatch.setattr(
-        "experiments.cli.commands.design.find_spec", lambda name: None if name == "uvicorn" else found(name)
-    )
+    monkeypatch.setattr("experiments.cli.extras.find_spec", lambda name: None if name == "uvicorn" else found(name))
     status, _, said = camring("design", plate, "--no-browser")
     assert status == 2
     words = "camring design needs uvicorn, which is not installed; pip install 'camring[design]'"

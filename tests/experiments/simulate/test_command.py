@@ -180,10 +180,10 @@ def test_what_makes_no_sense_is_refused(desk, tmp_path, camring, monkeypatch, op
 
 
 def test_without_the_extra_it_says_what_to_install(desk, tmp_path, camring, monkeypatch):
-    monkeypatch.setattr(command, "find_spec", lambda name: None if name == "mitsuba" else True)
+    monkeypatch.setattr("experiments.cli.extras.find_spec", lambda name: None if name == "mitsuba" else True)
     status, _, said = camring("simulate", desk / "step.stl", "--cameras", "2", "--out", tmp_path / "sim")
     assert status == 2 and not (tmp_path / "sim").exists()
-    assert 'needs mitsuba, which is not installed; pip install "camring[simulate]"' in " ".join(said.split())
+    assert "needs mitsuba, which is not installed; pip install 'camring[simulate]'" in " ".join(said.split())
 
 
 def test_lamps_stand_beside_the_cameras_unless_there_are_others(desk, tmp_path, camring, undrawn):
