@@ -54,7 +54,9 @@ class Places(NamedTuple):
 
     def canonical(self) -> "Places":
         """The same layout by ring, and on each by ring angles that increase in [0, 2 pi)."""
-        return Places.joined([Places.on(k, canonical(self.angles[self.ring == k])) for k in np.unique(self.ring)])
+        return Places.joined(
+            [Places.on(k, canonical(self.angles[self.ring == k])) for k in np.unique(self.ring).tolist()]
+        )
 
     @property
     def key(self) -> bytes:

@@ -187,7 +187,9 @@ class RingsCoverage:
 
     def _far_from(self, places: Places, views: Views) -> Float[np.ndarray, "M C"]:
         far = self._far(places, views.places)
-        return np.ones((len(places.ring), len(views.places.ring)), np.float32) if far is None else np.float32(far)
+        return (
+            np.ones((len(places.ring), len(views.places.ring)), np.float32) if far is None else far.astype(np.float32)
+        )
 
     def _variances(
         self, places: Places, seen: Bool[np.ndarray, "M N"], which: np.ndarray, now: Bool[np.ndarray, "W C"] | None
