@@ -193,29 +193,31 @@ def _mixed_integer(program: RingsProgram, seconds: float, gap: float) -> GridSol
     seen, base = program.useful()
     n_places, n_points, n_sums = *seen.shape, program.n_sites
     total = float(program.weights.sum()) or 1.0
-    n = n_places + n_points + 1
     weights = sparse.csr_array((program.weights / total, (program.site, np.arange(n_points))), (n_sums, n_points))
-    none = sparse.csr_array
-    views = sparse.hstack([-seen.T.astype(float), program.threshold * sparse.eye(n_points), none((n_points, 1))])
-    sums = sparse.hstack([none((n_sums, n_places)), -weights, np.ones((n_sums, 1))])
     of_ring = (program.ring == np.arange(len(program.most))[:, None]).astype(float)
     one, two = np.nonzero(np.triu(~program.compatible, 1))
-    pairs = sparse.csr_array(
-        (np.ones(2 * len(one)), (np.tile(np.arange(len(one)), 2), np.concatenate([one, two]))), (len(one), n)
+    clash = sparse.csr_array(
+        (np.ones(2 * len(one)), (np.tile(np.arange(len(one)), 2), np.concatenate([one, two]))), (len(one), n_places)
     )
-    rows = [
-        LinearConstraint(sparse.csr_array(views), -np.inf, base.astype(float)),
-        LinearConstraint(sparse.csr_array(sums), -np.inf, 0.0),
-        LinearConstraint(np.pad(of_ring, ((0, 0), (0, n_points + 1))), 0, program.most),
-        LinearConstraint(np.pad(np.ones((1, n_places)), ((0, 0), (0, n_points + 1))), program.n_free, program.n_free),
-    ]
-    rows += [LinearConstraint(pairs, 0, 1)] if len(one) else []
-    whole = np.concatenate([np.ones(n_places), np.zeros(n_points + 1)])
-    goal = np.append(np.zeros(n - 1), -1.0)
-    options = {"time_limit": seconds, "mip_rel_gap": gap}
+    rows = sparse.block_array([
+        [-seen.T.astype(float), program.threshold * sparse.eye_array(n_points), None],
+        [None, -weights, np.ones((n_sums, 1))],
+        [sparse.csr_array(of_ring), None, None],
+        [np.ones((1, n_places)), None, None],
+        [clash, None, None],
+    ])  # fmt: skip
+    high = np.concatenate([base, np.zeros(n_sums), program.most, [program.n_free], np.ones(len(one))])
+    low = np.full(len(high), -np.inf)
+    low[n_points + n_sums + len(program.most)] = program.n_free
     most = np.where(np.diag(program.compatible), max(program.n_free, 1), 1)
-    bounds = Bounds(0, np.append(most, np.ones(n_points + 1)))
-    found = milp(goal, integrality=whole, bounds=bounds, constraints=rows, options=options)
+    whole = np.concatenate([np.ones(n_places), np.zeros(n_points + 1)])
+    found = milp(
+        np.append(np.zeros(n_places + n_points), -1.0),
+        integrality=whole,
+        bounds=Bounds(0, np.append(most, np.ones(n_points + 1))),  # type: ignore[arg-type] - it takes arrays
+        constraints=LinearConstraint(rows, low, high),  # type: ignore[arg-type] - it takes arrays
+        options={"time_limit": seconds, "mip_rel_gap": gap},
+    )
     if found.status == 2:  # infeasible
         return GridSolution(None, 0.0, 0.0, MILP, True)
     dual = found.get("mip_dual_bound")
