@@ -70,7 +70,9 @@ def _from_above(ax: Axes, rings: Sequence[exact.Ring], ring_of: Sequence[int], a
             ax.annotate(words, (x, y), (7, 7), textcoords="offset points", fontsize=10, color=colour)
     ax.add_patch(Circle((0, 0), 0.01 * reach, color="black"))
     limit = 1.35 * reach
-    ax.set(xlim=(-limit, limit), ylim=(-limit, limit), aspect="equal", xlabel="x [mm]", ylabel="y [mm]")
+    # Above the rings there is room for what is which.
+    top = limit + 0.2 * reach * len(rings)
+    ax.set(xlim=(-limit, limit), ylim=(-limit, top), aspect="equal", xlabel="x [mm]", ylabel="y [mm]")
     ax.set_title("cameras of the layout on all rings\n(from above)", fontsize=12)
-    ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.12), frameon=False, fontsize=10)
+    ax.legend(loc="upper left", frameon=False, fontsize=10)
     ax.spines[["top", "right"]].set_visible(False)

@@ -94,8 +94,8 @@ def parse_ring(text: str, option: str = "--ring") -> RingText:
         return RingText(diameter, distance, parse_fov(fov, option) if fov else None, int(most) if most else None)
     except InputError:
         raise InputError(
-            f"{option} is {text[:40]!r}; it must be diameter x working distance [mm], as in 30x400, with a field of view "
-            "of its own after @ and the most cameras that it takes after a colon, as in 16x380@40x30:1"
+            f"{option} is {text[:40]!r}; it must be diameter x working distance [mm], as in 30x400, with a field of "
+            "view of its own after @ and the most cameras that it takes after a colon, as in 16x380@40x30:1"
         ) from None
 
 

@@ -1,4 +1,4 @@
-"""What `camring optimise --ring … --ring …` writes as JSON: rings, which camera sits on which, and what each does alone."""
+"""What `camring optimise` writes for several rings: which camera sits on which, and what each ring does alone."""
 
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any

@@ -1,4 +1,4 @@
-"""`camring optimise --ring … --ring …`: which camera sits on which of several rings, computed, printed, written, drawn."""
+"""`camring optimise` with several rings: which camera sits on which, computed, printed, written and drawn."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace

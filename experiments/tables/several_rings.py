@@ -89,9 +89,7 @@ def places_words(found: "placement.RingsPlacement") -> str:
     """Which camera sits on which ring, in words."""
     parts = []
     for number, ring in enumerate(found.rings):
-        angles = [
-            f"{np.degrees(angle):.3f}" for k, angle in zip(found.ring_of, found.angles, strict=True) if k == number
-        ]
-        at = f"at {', '.join(angles)} degrees" if angles else "no camera"
+        own = np.degrees(np.array(found.angles)[np.array(found.ring_of) == number])
+        at = f"at {', '.join(f'{angle:.3f}' for angle in own)} degrees" if len(own) else "no camera"
         parts.append(f"ring {number + 1} ({ring.diameter:g} x {ring.working_distance:g} mm): {at}")
     return "; ".join(parts)

@@ -62,9 +62,8 @@ def run(
         several = checked_rings(rings, asked)
         results_folder(out, (*RINGS_OUTPUTS, *meshes_too), asked.subjects[0], force)
         files = formats.prepare(out, names, force)
-        reach(
-            target, optimise_rings(several, asked, names, bool(meshes_too), files, out, as_json), "all rings together"
-        )
+        fraction = optimise_rings(several, asked, names, bool(meshes_too), files, out, as_json)
+        reach(target, fraction, f"{asked.rig.n_cameras} cameras on all rings")
         return
     asked.check_cameras(asked.rig.n_cameras)
     results_folder(out, (*OUTPUTS, *meshes_too, *[REPORT] * with_report), asked.subjects[0], force)
