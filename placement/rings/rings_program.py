@@ -11,6 +11,7 @@ from at least T of them is greatest. By two ways:
 import itertools
 import time
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sparse
@@ -24,8 +25,8 @@ from placement.proof.solver import QUICK_MULTIPLICATIONS
 MILP = "mixed-integer program"
 # Choices of half of the cameras beyond which they are not even counted.
 MOST_HALVES = 100_000
-# Choices that are looked at one by one, at most, because of what they promise.
-MOST_TRIED = 5000
+# Choices that are looked at one by one, at most, because of what they promise, and how many at a time.
+MOST_TRIED, ONE_BY_ONE = 50_000, 64
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,22 +69,32 @@ class RingsProgram:
     fixed: Bool[np.ndarray, "F P"]
     far: Bool[np.ndarray, "A A"] | None = None
 
-    def value(self, places) -> float:
-        """Weight of the points that a choice reconstructs; the least of the sums."""
-        chosen = list(places)
-        seen = np.concatenate([self.seen[chosen], self.fixed])
+    @cached_property
+    def _every(self) -> Bool[np.ndarray, "A P"]:
+        return np.concatenate([self.seen, self.fixed])
+
+    def worths(self, choices: Int[np.ndarray, "B N"]) -> Float[np.ndarray, " B"]:
+        """(B,) weight of the points that each of (B, N) choices reconstructs; the least of the sums."""
+        fixed = np.arange(len(self.seen), len(self._every))
+        index = np.concatenate([choices, np.broadcast_to(fixed, (len(choices), len(fixed)))], axis=1).T
+        seen = self._every[index]
         met = seen.sum(axis=0) >= self.threshold
         if self.far is not None:
-            index = [*chosen, *range(len(self.seen), len(self.seen) + len(self.fixed))]
-            far = self.far[np.ix_(index, index)].astype(np.float32)
-            met &= (seen & (far @ seen.astype(np.float32) > 0)).any(axis=0)
-        return float(np.bincount(self.site, self.weights * met, minlength=self.n_sites).min())
+            paired = np.zeros_like(met)
+            for one, other in itertools.combinations(range(len(index)), 2):
+                paired |= seen[one] & seen[other] & self.far[index[one], index[other]][:, None]
+            met &= paired
+        return np.stack([met @ (self.weights * (self.site == k)) for k in range(self.n_sites)]).min(axis=0)
+
+    def value(self, places) -> float:
+        """The same of one choice."""
+        return float(self.worths(np.asarray(places, dtype=np.int64).reshape(1, -1))[0])
 
     def useful(self) -> tuple[Bool[np.ndarray, "C P"], Int[np.ndarray, " P"]]:
         """Views that can be of use, and (P,) how many of the fixed cameras' are."""
         if self.far is None or self.threshold != 2:
             return self.seen, self.fixed.sum(axis=0)
-        every = np.concatenate([self.seen, self.fixed])
+        every = self._every
         every = every & (self.far.astype(np.float32) @ every.astype(np.float32) > 0)
         return every[: len(self.seen)], every[len(self.seen) :].sum(axis=0)
 
@@ -162,29 +173,31 @@ def _enumerated(program: RingsProgram, end: float) -> GridSolution | None:
                 missed += waiting @ short.T.astype(np.float32)
             np.minimum(worth, scaled[of_site].sum() - missed, out=worth)
         last = one[:, -1] if one.shape[1] else np.full(len(one), -1)
-        begin = two[:, 0] if two.shape[1] else np.full(len(two), len(program.seen))
-        allowed = _follows(program, last, np.minimum(begin, len(program.seen) - 1)) | (begin == len(program.seen))
+        start = two[:, 0] if two.shape[1] else np.full(len(two), len(program.seen))
+        allowed = _follows(program, last, np.minimum(start, len(program.seen) - 1)) | (start == len(program.seen))
         allowed &= (numbers[0][i : i + BLOCK, None] + numbers[1][None, j : j + BLOCK] <= program.most).all(axis=2)
         for place in two.T:
             allowed &= clash[one][:, :, place].sum(axis=1) == 0
         worth[~allowed] = -np.inf
         # What is summed is the choice itself, but for rounding; with a baseline it may promise more than there is.
         promising = np.flatnonzero(worth > best / total + SINGLE_PRECISION)
-        for at in promising[np.argsort(-worth.ravel()[promising], kind="stable")].tolist():
-            promised = float(worth.ravel()[at])
+        promising = promising[np.argsort(-worth.ravel()[promising], kind="stable")]
+        for begin in range(0, len(promising), ONE_BY_ONE):
+            promised = float(worth.ravel()[promising[begin]])
             if promised <= best / total + SINGLE_PRECISION:
                 break
             if n_tried >= MOST_TRIED:
                 bound = max(bound, promised)
                 break
-            row, column = divmod(at, len(two))
-            places, n_tried = (*one[row].tolist(), *two[column].tolist()), n_tried + 1
-            value = program.value(places)
-            if value > best:
-                best, choice = value, places
+            row, column = np.divmod(promising[begin : begin + ONE_BY_ONE], len(two))
+            choices, n_tried = np.concatenate([one[row], two[column]], axis=1), n_tried + len(row)
+            values = program.worths(choices)
+            if values.max() > best:
+                best, choice = float(values.max()), tuple(choices[int(values.argmax())].tolist())
     if choice is None:
         return GridSolution(None, 0.0, 0.0, "enumeration", True)
-    bound = max(bound * total, best) + SINGLE_PRECISION * total
+    # Once for what a choice promises, once for what is too near the best to be looked at.
+    bound = max(bound * total, best) + 2 * SINGLE_PRECISION * total
     return GridSolution(choice, best, bound, "enumeration", True)
 
 
