@@ -16,6 +16,7 @@ from experiments.files.errors import InputError
 from experiments.files.ring_maximum_cache import RememberedAreas
 from experiments.files.table import write_table
 from experiments.request import layout_file
+from experiments.request import rig as rig_file
 from experiments.request.option_text import parse_ring
 from experiments.request.request import Request
 from experiments.request.rings_content import rings_content
@@ -38,7 +39,7 @@ class SeveralRings(NamedTuple):
 
 
 def refuse_for_several(options: Mapping[str, Any], with_report: bool) -> None:
-    """Refuse options that are about one ring.
+    """Refuse options that are about one ring, or say what each of several says itself.
 
     Raises
     ------
@@ -46,30 +47,49 @@ def refuse_for_several(options: Mapping[str, Any], with_report: bool) -> None:
     """
     for name, flag in SAID.items():
         if options.get(name) is not None:
-            raise InputError(f"--ring says what {flag} does; leave one of them out")
+            raise InputError(f"each ring says what {flag} does; leave it out, or the rings")
     if with_report:
-        raise InputError("--report shows the cameras of one ring; leave it out, or leave --ring out")
+        raise InputError("--report shows the cameras of one ring; leave it out, or ask for one ring")
 
 
-def checked_rings(texts: Sequence[str], asked: Request) -> SeveralRings:
-    """The rings that options give, at the place of the ring of the request.
+def rings_asked(texts: Sequence[str], tables: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Of each ring the fields of `exact.Ring` and "most" that options give, or else the tables of a rig file.
+
+    Raises
+    ------
+    InputError
+
+    Examples
+    --------
+    >>> rings_asked(["30x400", "16x380@40x30:1"], [])[1]
+    {'diameter': 16.0, 'working_distance': 380.0, 'fov': (40.0, 30.0), 'most': 1}
+    """
+    of_texts = [parse_ring(text)._asdict() for text in texts]
+    return [{name: value for name, value in one.items() if value is not None} for one in of_texts] or list(tables)
+
+
+def checked_rings(given: Sequence[dict[str, Any]], options: Mapping[str, Any], asked: Request) -> SeveralRings:
+    """The rings, where they say nothing else as that of the request; `options` go before what they say.
 
     Raises
     ------
     InputError, exact.ExactError
     """
-    parsed = [parse_ring(text) for text in texts]
     kept = asked.rig.constraints
-    if len(parsed) > 1 and (kept.fixed or kept.forbidden):
+    if len(given) > 1 and (kept.fixed or kept.forbidden):
         raise InputError(
             "fixed cameras and forbidden arcs are those of one ring; with several, leave them out here and give each "
             "ring its own in placement.optimise_rings"
         )
-    rings = [
-        replace(asked.ring, diameter=one.diameter, working_distance=one.working_distance, fov=one.fov or asked.ring.fov)
-        for one in parsed
-    ]
-    return SeveralRings(tuple(rings), tuple(one.most for one in parsed))
+    named = {"roll": "roll_deg"}
+    rings = []
+    for one in given:
+        own = {
+            name: value for name, value in one.items()
+            if name != rig_file.MOST and options.get(name) is None and options.get(named.get(name, name)) is None
+        }  # fmt: skip
+        rings.append(replace(asked.ring, **own))
+    return SeveralRings(tuple(rings), tuple(one.get(rig_file.MOST) for one in given))
 
 
 def optimise_rings(

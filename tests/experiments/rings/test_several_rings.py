@@ -133,6 +133,51 @@ def test_what_is_printed(camring, desk, tmp_path):
     assert status == 1 and len(json.loads(out)["layouts"]) == 5
 
 
+TABLES = """
+[[ring]]
+
+[[ring]]
+diameter = 16
+working_distance = 380
+fov = [54, 36]
+most = 1
+"""
+
+
+def test_a_rig_file_takes_several_rings(camring, desk, tmp_path, quick_search):
+    rig = tmp_path / "several.toml"
+    rig.write_text(TABLES + quick_search, encoding="utf-8")
+    common = ("--cameras", 3, "--json")
+    told = camring("optimise", desk / "scan.stl", "--rig", rig, *common, "--out", tmp_path / "one")
+    same = camring(*asked(desk, *common, "--out", tmp_path / "two"))
+    one, two = (json.loads(out) for _, out, _ in (told, same))
+    assert one == two and [ring["most_cameras"] for ring in one["rings"]] == [None, 1]
+    turned = ("--fov", "40x30", "--roll-deg", 10)
+    status, out, _ = camring("optimise", desk / "scan.stl", "--rig", rig, *common, *turned, "--out", tmp_path / "three")
+    rings = json.loads(out)["rings"]
+    assert status == 0 and [ring["fov_mm"] for ring in rings] == [[40.0, 30.0]] * 2
+    assert [ring["roll"] for ring in rings] == pytest.approx([np.radians(10)] * 2)
+    status, _, err = camring("count", desk / "scan.stl", "--rig", rig, "--out", tmp_path / "out")
+    assert status == 2 and "has 2 rings, tables [[ring]], of which camring optimise alone takes several" in err
+
+
+@pytest.mark.parametrize(
+    ("table", "said"),
+    [
+        ("diametre = 3", "there is no key 'diametre' in [[ring]]; did you mean diameter?"),
+        ("most = 1.5", "most in [[ring]] is 1.5; it must be a whole number"),
+        ("diameter = 'wide'", "diameter in [[ring]] is 'wide'; it must be a number"),
+        ("diameter = 0", "ring diameter is 0"),
+        ("most = -1", "most is (None, -1); it must give a whole number"),
+    ],
+)
+def test_tables_that_cannot_be_are_refused(camring, desk, tmp_path, table, said):
+    rig = tmp_path / "several.toml"
+    rig.write_text(f"[[ring]]\n[[ring]]\n{table}\n", encoding="utf-8")
+    status, out, err = camring("optimise", desk / "scan.stl", "--rig", rig, "--out", tmp_path / "out")
+    assert (status, out) == (2, "") and said in " ".join(err.split()) and "Traceback" not in err
+
+
 @pytest.mark.parametrize(
     ("options", "said"),
     [
@@ -142,7 +187,7 @@ def test_what_is_printed(camring, desk, tmp_path):
         (("--ring", "30x400@"), "--ring is '30x400@'; it must be"),
         (("--ring", "nanx400"), "--ring is 'nanx400'; it must be"),
         (("--ring", "0x400"), "--ring is '0x400'; it must be"),
-        (("--diameter", 20), "--ring says what --diameter does; leave one of them out"),
+        (("--diameter", 20), "each ring says what --diameter does; leave it out, or the rings"),
         (("--fixed-deg", "10"), "fixed cameras and forbidden arcs are those of one ring"),
         (("--report",), "--report shows the cameras of one ring"),
         (("--roll", "free"), "the rolls of ring 1 are free, which is known for one ring only"),

@@ -46,8 +46,10 @@ def test_no_layout_on_the_grid_is_better(site, n_cameras, asked, limits, way, mo
     assert bound.method == way and bound.n_places == 24 and np.degrees(bound.step) == pytest.approx(30)
     assert bound.bound_fraction * found.maximum_area >= best * (1 - 1e-9)
     assert bound.fraction * found.maximum_area <= best * (1 + 1e-9)
-    if "min_baseline" not in asked:
-        assert bound.fraction * found.maximum_area == pytest.approx(best, rel=1e-3) and bound.proven
+    if "min_baseline" not in asked or way == "enumeration":
+        # The program stops when its bound is nearer than 0.2 %.
+        assert bound.fraction * found.maximum_area >= best * (1 - (3e-5 if way == "enumeration" else 2e-3))
+        assert bound.proven
     own = exact.evaluate(mesh, cameras(RINGS, bound.ring_of, bound.angles), **of)
     assert bound.fraction == pytest.approx(own.area / found.maximum_area, rel=1e-9)
     assert f"{bound.bound_fraction:.2%}" in bound.statement and "30 degrees" in bound.statement

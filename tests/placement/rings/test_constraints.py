@@ -95,7 +95,7 @@ REFUSED = [
 
 
 @pytest.mark.parametrize(("asked", "words"), REFUSED)
-def test_what_cannot_be_is_refused(asked, words):
+def test_what_cannot_be_is_refused(asked, words, unchecked):
     asked = {"rings": RINGS, "n_cameras": 3, "workers": 1, "settings": QUICK} | asked
     with pytest.raises(placement.PlacementError, match=words):
         placement.optimise_rings(wall(), **asked)
