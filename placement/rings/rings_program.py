@@ -202,7 +202,7 @@ def _enumerated(program: RingsProgram, end: float) -> GridSolution | None:
 
 
 def _mixed_integer(program: RingsProgram, seconds: float, gap: float) -> GridSolution:
-    """The program as HiGHS solves it: x (C) whole, y (P) and the least sum z between 0 and 1."""
+    """The program as HiGHS solves it: x (C) and y (P) whole, the least of the sums z; a view too few is worth nothing."""
     seen, base = program.useful()
     n_places, n_points, n_sums = *seen.shape, program.n_sites
     total = float(program.weights.sum()) or 1.0
@@ -223,7 +223,7 @@ def _mixed_integer(program: RingsProgram, seconds: float, gap: float) -> GridSol
     low = np.full(len(high), -np.inf)
     low[n_points + n_sums + len(program.most)] = program.n_free
     most = np.where(np.diag(program.compatible), max(program.n_free, 1), 1)
-    whole = np.concatenate([np.ones(n_places), np.zeros(n_points + 1)])
+    whole = np.append(np.ones(n_places + n_points), 0.0)
     found = milp(
         np.append(np.zeros(n_places + n_points), -1.0),
         integrality=whole,

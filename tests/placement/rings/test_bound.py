@@ -18,7 +18,7 @@ ASKED = [
     (wall, 2, {}, {}),
     (pit, 3, {}, {}),
     (wall, 3, {"most": (2, 1)}, {"min_separation": 7.5}),
-    (pit, 3, {"threshold": 3}, {"min_separation": 0.0}),
+    (pit, 3, {"threshold": 3}, {"min_separation": 1.0}),
     (wall, 3, {"min_baseline": 12.0}, {}),
     (pit, 2, {"min_baseline": 20.0}, {}),
     (wall, 3, {"threshold": 1, "most": (None, 0)}, {}),
