@@ -166,7 +166,7 @@ def optimise_rings(
     layouts += [("search", layout) for layout in pool[: settings.exact_candidates]]
     lap("search")
     if give_up > 0:
-        accurate = accurate_rings(thin, pool, give_up, settings)
+        accurate = accurate_rings(thin, coverage, pool, give_up, settings)
         layouts += [("accuracy", layout) for layout in accurate]
         lap("accuracy")
     scorer = RingsScorer(sites, space, demand, maximum, workers)

@@ -2,8 +2,8 @@
 
 import itertools
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -24,12 +24,22 @@ WORTHWHILE = 1e-6
 Value = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 
-class Views(NamedTuple):
-    """What cameras at C places see of N samples."""
+@dataclass(frozen=True, eq=False)
+class Views:
+    """What cameras at C places see of N samples, and what they tell about them."""
 
+    samples: RingsSamples
     places: Places
-    seen: Float[np.ndarray, "N C"]
-    """1 where seen and 0 elsewhere; single, for matrix products."""
+
+    @cached_property
+    def seen(self) -> Float[np.ndarray, "N C"]:
+        """1 where seen and 0 elsewhere; single, for matrix products."""
+        return self.samples.seen(self.places).T.astype(np.float32)
+
+    @cached_property
+    def told(self) -> Float[np.ndarray, "6 N C"]:
+        """Information [1/mm²], seen or not."""
+        return np.moveaxis(self.samples.told(self.places), 0, -1)
 
 
 class RingsCoverage:
@@ -60,18 +70,12 @@ class RingsCoverage:
     def _pair_grid(self) -> Views:
         return self._views(N_PAIR_ANGLES)
 
-    @cached_property
-    def _grid_told(self) -> Float[np.ndarray, "6 N C"]:
-        return np.moveaxis(self.samples.told(self.grid.places), 0, -1)
-
     def _views(self, n_angles: int) -> Views:
-        places = Places.grid(len(self.space.rings), n_angles)
-        return Views(places, self.samples.seen(places).T.astype(np.float32))
+        return Views(self.samples, Places.grid(len(self.space.rings), n_angles))
 
     def measured(self, places: Places) -> tuple[float, float]:
         """What a layout is worth, and the root mean square of its predicted errors [mm]; inf for nothing."""
-        nowhere = Views(places.take([]), np.zeros((len(self.samples.weights), 0), dtype=np.float32))
-        seen = self.samples.seen(places)
+        nowhere, seen = Views(self.samples, places.take([])), self.samples.seen(places)
         worth, error = self._with_one_more(places, seen, nowhere, errors=True)
         return float(worth[0]), float(error[0])
 
@@ -82,7 +86,9 @@ class RingsCoverage:
         met = Criterion(self.demand.threshold, self._far(places, places)).enough(self.samples.seen(places).T)
         return float(worth_of((self._weights @ met.astype(np.float32)).astype(np.float64)))
 
-    def improved(self, places: Places, max_sweeps: int = 10, value: Value | None = None) -> Places:
+    def improved(
+        self, places: Places, max_sweeps: int = 10, value: Value | None = None, near: np.ndarray | None = None
+    ) -> Places:
         """Move one free camera at a time to its best place on any ring until no move gains anything.
 
         Parameters
@@ -93,23 +99,25 @@ class RingsCoverage:
             Times each camera is tried at most.
         value : callable, optional
             From worths and errors (C,) to what is to be made great; worths alone unless given.
+        near : (A,) ndarray, optional
+            Steps along its ring from where a camera is, instead of all places [rad].
         """
-        seen, grid = self.samples.seen(places), self.grid
+        seen = self.samples.seen(places)
         best = float(self._value(*self._one(self.measured(places)), value)[0]) if value else self.worth(places)
         least_gain = self._least_gain if value is None else 1e-9
         for _ in range(max_sweeps):
             before = best
             for camera in self.space.free(places):
                 others = np.delete(np.arange(len(seen)), camera)
-                held = places.take(others)
-                found = self._value(*self._with_one_more(held, seen[others], grid, errors=value is not None), value)
-                found = np.where(self.space.allowed(grid.places, held), found, -np.inf)
+                held, views = places.take(others), self._around(places, camera, near)
+                found = self._value(*self._with_one_more(held, seen[others], views, errors=value is not None), value)
+                found = np.where(self.space.allowed(views.places, held), found, -np.inf)
                 at = int(found.argmax())
                 if found[at] > best + least_gain:
                     best = float(found[at])
                     ring, angles = places.ring.copy(), places.angles.copy()
-                    ring[camera], angles[camera] = (one[at] for one in grid.places)
-                    places, seen[camera] = Places(ring, angles), grid.seen[:, at] > 0
+                    ring[camera], angles[camera] = (one[at] for one in views.places)
+                    places, seen[camera] = Places(ring, angles), views.seen[:, at] > 0
             if best <= before + least_gain:
                 break
         return places
@@ -140,6 +148,12 @@ class RingsCoverage:
             if self.worth(places) <= before + self._least_gain:
                 break
         return places
+
+    def _around(self, places: Places, camera: int, near: np.ndarray | None) -> Views:
+        """Where a camera may be moved."""
+        if near is None:
+            return self.grid
+        return Views(self.samples, Places.on(int(places.ring[camera]), places.angles[camera] + near))
 
     @staticmethod
     def _one(measured: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
@@ -177,7 +191,7 @@ class RingsCoverage:
         weights = self._weights[:, which]
         if not errors and self.demand.max_error is None:
             return worth_of((weights @ covered.astype(np.float32)).astype(np.float64)), np.zeros(columns.shape[1])
-        variances = self._variances(places, seen, which, None if alone else now)
+        variances = self._variances(places, seen, which, None if alone else views.told[:, which] * now)
         if self.demand.max_error is not None:
             covered &= variances <= self.demand.max_error**2
         worth = worth_of((weights @ covered.astype(np.float32)).astype(np.float64))
@@ -192,13 +206,13 @@ class RingsCoverage:
         )
 
     def _variances(
-        self, places: Places, seen: Bool[np.ndarray, "M N"], which: np.ndarray, now: Bool[np.ndarray, "W C"] | None
+        self, places: Places, seen: Bool[np.ndarray, "M N"], which: np.ndarray, more: Float[np.ndarray, "6 W C"] | None
     ) -> Float[np.ndarray, "W C"]:
-        """(W, C) variances [mm²] of the samples `which`, with one more camera of the grid; (W, 1) without one."""
+        """(W, C) variances [mm²] of the samples `which`, where one more camera tells so much; (W, 1) without one."""
         told = np.zeros((6, len(which)))
         if len(places.ring):
             told = np.einsum("mjn,mn->jn", self.samples.told(places)[..., which], seen[:, which])
-        total = told[..., None] if now is None else told[..., None] + self._grid_told[:, which] * now
+        total = told[..., None] if more is None else told[..., None] + more
         along = np.repeat(self.samples.along[which], total.shape[2], axis=0)
         return np.maximum(variance(total.reshape(6, -1).T, along), 0.0).reshape(total.shape[1:])
 

@@ -202,7 +202,7 @@ def _enumerated(program: RingsProgram, end: float) -> GridSolution | None:
 
 
 def _mixed_integer(program: RingsProgram, seconds: float, gap: float) -> GridSolution:
-    """The program as HiGHS solves it: x (C) and y (P) whole, the least of the sums z; a view too few is worth nothing."""
+    """The program as HiGHS solves it: x (C), y (P), whole as a view too few is worth nothing, and the least sum."""
     seen, base = program.useful()
     n_places, n_points, n_sums = *seen.shape, program.n_sites
     total = float(program.weights.sum()) or 1.0

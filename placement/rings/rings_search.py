@@ -3,12 +3,12 @@
 import numpy as np
 
 from placement.rings.ring_places import Places, RingsSpace, distinct_places
-from placement.rings.rings_coverage import RingsCoverage
-from placement.search.accurate import PENALTY, RESERVE
+from placement.rings.rings_coverage import RingsCoverage, Value
+from placement.search.accurate import N_PLACES, PENALTY, RESERVE, WINDOWS
 from placement.settings import Settings
 
-# Layouts with little error: how many good ones to start from.
-N_ACCURATE = 6
+# Layouts with little error: how many good ones to start from, and how many are refined.
+N_ACCURATE, N_REFINED = 6, 3
 
 
 def rings_search(
@@ -26,27 +26,40 @@ def rings_search(
     return ranked(coverage, more + found, settings.distinct_tolerance), len(starts)
 
 
-def accurate_rings(coverage: RingsCoverage, starts: list[Places], give_up: float, settings: Settings) -> list[Places]:
+def accurate_rings(
+    thin: RingsCoverage, coverage: RingsCoverage, starts: list[Places], give_up: float, settings: Settings
+) -> list[Places]:
     """Distinct layouts with little error whose sampled coverage is within `give_up` of the first of the starts.
 
-    As `accurate_layouts` on one ring.
+    As `accurate_layouts` on one ring: on few samples, `thin`, from place to place, and on all to refine the best.
     """
-    worth, error = coverage.measured(starts[0])
-    if not np.isfinite(error):
+    if not np.isfinite(thin.measured(starts[0])[1]):
         return []
-    least = worth - (1 - RESERVE) * give_up
+
+    def best_first(of: RingsCoverage, layouts: list[Places]) -> list[Places]:
+        value = _value_of(of, starts[0], give_up)
+        worth = [float(value(*(np.array([one]) for one in of.measured(layout)))[0]) for layout in layouts]
+        ordered = [layouts[i] for i in np.argsort(-np.array(worth), kind="stable")]
+        return [ordered[i] for i in distinct_places(ordered, settings.distinct_tolerance)]
+
+    value = _value_of(thin, starts[0], give_up)
+    found = best_first(thin, [thin.improved(start, 3, value) for start in starts[:N_ACCURATE]])[:N_REFINED]
+    value = _value_of(coverage, starts[0], give_up)
+    for window in WINDOWS:
+        found = [coverage.improved(one, 1, value, window * np.linspace(-1, 1, N_PLACES)) for one in found]
+    return best_first(coverage, found)
+
+
+def _value_of(coverage: RingsCoverage, first: Places, give_up: float) -> Value:
+    """What is compared: minus the logarithm of the error, and a penalty for too little coverage."""
+    # The same samples that are compared decide what the best of them is.
+    least = coverage.worth(first) - (1 - RESERVE) * give_up
 
     def value(worth: np.ndarray, error: np.ndarray) -> np.ndarray:
         with np.errstate(divide="ignore"):
             return np.asarray(-np.log(error) - PENALTY * np.maximum(least - worth, 0.0))
 
-    def worth_of(layout: Places) -> float:
-        worth, error = coverage.measured(layout)
-        return float(value(np.array([worth]), np.array([error]))[0])
-
-    found = [coverage.improved(start, 3, value) for start in starts[:N_ACCURATE]]
-    found.sort(key=worth_of, reverse=True)
-    return [found[i] for i in distinct_places(found, settings.distinct_tolerance)]
+    return value
 
 
 def ranked(coverage: RingsCoverage, layouts: list[Places], tolerance: float) -> list[Places]:
