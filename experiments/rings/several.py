@@ -157,3 +157,5 @@ def _print(found: placement.RingsPlacement, asked: Request, rows: Sequence[dict[
     console.print(f"optimised cameras: {places_words(found)}")
     if found.certificate is not None:
         console.print(found.certificate.statement)
+    elif asked.rig.certify:
+        console.print("no bound: it would take long for so many faces and rings; --certify-on surface has it anyhow")

@@ -148,9 +148,12 @@ def weighted_sets(
 
 def _is_wanted(problem: "Problem", space: LayoutSpace) -> bool:
     """Whether the settings ask for it, or leave it open and it is usually done in less than half a minute."""
-    asked = problem.settings.certify_on
-    if asked != "auto":
-        return asked == "surface"
     cameras = grid_places(problem.settings) + len(space.constraints.fixed)
-    faces = sum(int(site.scene.counted.sum()) for site in problem.sites.members)
-    return faces * cameras <= USUAL_WORK
+    return problem.settings.certify_on == "surface" or (
+        problem.settings.certify_on == "auto" and is_usual(problem.sites, cameras)
+    )
+
+
+def is_usual(sites: Sites, n_cameras: int) -> bool:
+    """Whether sets of so many cameras are usually found in less than half a minute."""
+    return sum(int(site.scene.counted.sum()) for site in sites.members) * n_cameras <= USUAL_WORK

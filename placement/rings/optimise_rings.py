@@ -14,6 +14,8 @@ from placement.errors import PlacementError, refusing
 from placement.layouts.constraints import Constraints, checked_seed, on_ring
 from placement.problem import ASKED, Problem
 from placement.progress import Progress, nothing
+from placement.proof.certificate import grid_places
+from placement.proof.surface import is_usual
 from placement.results import Placement, SearchRecord, library_versions
 from placement.rings.ring_places import Places, RingsSpace, distinct_places
 from placement.rings.rings_bound import RingsBound, bounded, measured
@@ -75,8 +77,9 @@ def optimise_rings(
         and `min_baseline` are distances of camera centres, also between rings: of two rings the stricter separation
         holds, and of all rings the greatest baseline. Fixed cameras and forbidden arcs are those of a ring.
     certify : bool
-        Also bound what layouts on a grid of `settings.certificate_step` on all rings could reconstruct, by exact areas;
-        a better layout found on the way is taken.
+        Also bound what layouts on a grid of `settings.certificate_step` on all rings could reconstruct, by exact areas,
+        where that takes less than half a minute or so, or if `settings.certify_on` is "surface"; a better layout found
+        on the way is taken.
     give_up : float
         Coverage that may be given up for accuracy, as a fraction of the maximum of all rings: of layouts within so much
         of the greatest exact area found, that reconstruct no less than the one proposed for any ring alone, the one
@@ -112,6 +115,11 @@ def optimise_rings(
     seed, report = checked_seed(seed), progress or nothing
     rings = _checked_rings(rings)
     settings = USUAL if settings is None else settings
+    if certify and settings.certify_on == "samples":
+        raise PlacementError(
+            'settings: certify_on is "samples"; layouts on several rings are bounded on the surface alone: ask for '
+            '"surface" or "auto", or with certify=False for no bound'
+        )
     if not (isinstance(give_up, int | float | np.number) and 0 <= give_up < 1):
         raise PlacementError(f"give_up is {give_up!r}; it must be at least 0 and below 1, a part of the maximum")
     most = (None,) * len(rings) if most is None else tuple(most)
@@ -171,7 +179,8 @@ def optimise_rings(
         lap("accuracy")
     scorer = RingsScorer(sites, space, demand, maximum, workers)
     certificate = None
-    if certify:
+    n_places = len(rings) * grid_places(settings)
+    if certify and (settings.certify_on == "surface" or is_usual(sites, n_places)):
         report("bounding layouts on the grid", 0, 1)
         certificate, on_grid = bounded(scorer, settings)
         layouts += [("certificate", on_grid)] if on_grid is not None and not space.violations(on_grid) else []

@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 import exact
+from exact.ring import MOST_CAMERAS
 from exact.whole_numbers import is_whole
 from placement.errors import PlacementError
 from placement.layouts.arcs import TURN, LayoutSpace
@@ -134,6 +135,8 @@ class RingsSpace:
     ):
         if not (is_whole(n_cameras) and n_cameras >= 1) or isinstance(n_cameras, bool):
             raise PlacementError(f"number of cameras is {n_cameras!r}; it must be a whole number, at least 1")
+        if n_cameras > MOST_CAMERAS:
+            raise PlacementError(f"number of cameras is {n_cameras}; it must be at most {MOST_CAMERAS}")
         self.rings, self.n_cameras, self.constraints = rings, int(n_cameras), constraints
         asked = [self.n_cameras if one is None else one for one in most]
         if not all(is_whole(one) and one >= 0 and not isinstance(one, bool) for one in asked):

@@ -135,5 +135,8 @@ def _program(scorer: RingsScorer, grid: Places, fixed: Places) -> tuple[RingsPro
 
 def _sets(scorer: RingsScorer, places: Places) -> Sequence[tuple[np.ndarray, np.ndarray]]:
     cameras = cameras_of(scorer.space.rings, places)
-    found = [exact.view_sets(site.scene, cameras, demand=scorer.demand) for site in scorer.sites.members]
+    found = [
+        exact.view_sets(site.scene, cameras, demand=scorer.demand, workers=scorer.workers)
+        for site in scorer.sites.members
+    ]
     return [(sets.seen, sets.areas) for sets in found]

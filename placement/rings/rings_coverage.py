@@ -107,7 +107,7 @@ class RingsCoverage:
         least_gain = self._least_gain if value is None else 1e-9
         for _ in range(max_sweeps):
             before = best
-            for camera in self.space.free(places):
+            for camera in self.space.free(places).tolist():
                 others = np.delete(np.arange(len(seen)), camera)
                 held, views = places.take(others), self._around(places, camera, near)
                 found = self._value(*self._with_one_more(held, seen[others], views, errors=value is not None), value)

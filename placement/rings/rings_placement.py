@@ -99,7 +99,7 @@ class RingsPlacement:
     candidates : tuple of RingsCandidate
         All layouts scored exactly that meet the constraints, the one with the greatest area first.
     certificate : RingsBound or None
-        Bound for layouts on a grid; None if it was not asked for.
+        Bound for layouts on a grid; None if it was not asked for, or would have taken long.
     search : SearchRecord
         Starts, evaluations, times; those of the rings alone stand in their own.
     rings, n_cameras, most, demand, give_up, constraints, settings, seed, mesh_hashes, versions

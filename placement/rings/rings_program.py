@@ -145,6 +145,9 @@ def _numbers(program: RingsProgram, chosen: np.ndarray) -> Int[np.ndarray, "H K"
 
 def _enumerated(program: RingsProgram, end: float) -> GridSolution | None:
     """Every choice tried; None if there are too many, or the time is over."""
+    if program.n_free == 0:
+        value = program.value(())
+        return GridSolution((), value, value, "enumeration", True)
     first = _halves(program, (program.n_free + 1) // 2)
     second = None if first is None else _halves(program, program.n_free // 2)
     if first is None or second is None:

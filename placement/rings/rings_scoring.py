@@ -32,7 +32,7 @@ class RingsScorer:
 
     def __init__(self, sites: Sites, space: RingsSpace, demand: exact.Demand, maximum: RingMaximum, workers: int = 1):
         self.sites, self.space, self.demand = sites, space, demand
-        self._maximum, self._workers = maximum, workers
+        self._maximum, self.workers = maximum, workers
         self._areas: dict[bytes, tuple[float, ...]] = {}
 
     @property
@@ -51,7 +51,7 @@ class RingsScorer:
         if new:
             cameras = [cameras_of(self.space.rings, layout) for layout in new.values()]
             found = [
-                exact.areas(site.scene, cameras, demand=self.demand, workers=self._workers)
+                exact.areas(site.scene, cameras, demand=self.demand, workers=self.workers)
                 for site in self.sites.members
             ]
             for key, of_sites in zip(new, np.stack(found, axis=1).tolist(), strict=True):

@@ -21,6 +21,7 @@ from tests.experiments.exports.test_export import (  # noqa: F401 - further read
     test_table_says_the_same,
     test_transforms_follow_opengl,
 )
+from tests.placement.rings.by_hand import alone, bound_of
 
 RINGS = exact.Ring(), exact.Ring(16.0, 380.0, (54.0, 36.0))
 
@@ -88,9 +89,9 @@ def test_the_file_says_what_the_library_finds(desk, written, quick_search):
     assert content["all_rings_area_mm2"] == found.maximum_area
     assert content["smallest_separation_mm"] == pytest.approx(found.smallest_separation)
     assert content["rings"][1]["most_cameras"] == 1 and content["rings"][1]["fov_mm"] == [54.0, 36.0]
-    assert content["certificate"]["bound_fraction"] == found.certificate.bound_fraction
+    assert content["certificate"]["bound_fraction"] == bound_of(found).bound_fraction
     one, two = content["rings_alone"]
-    assert one["area_mm2"] == found.alone[0].placement.area and one["fraction_of_all_rings"] == found.alone[0].fraction
+    assert one["area_mm2"] == alone(found)[0].area and one["fraction_of_all_rings"] == found.alone[0].fraction
     assert two == {"refused": "it takes at most 1 of the 3 cameras"}
 
 

@@ -15,19 +15,32 @@ QUICK = placement.Settings(
 )  # fmt: skip
 
 
-def wall():
+def wall() -> trimesh.Trimesh:
     """A plate with a wall across it: cameras to one side see that side alone."""
     parts = [trimesh.creation.box((30, 22, 2)), trimesh.creation.box((3, 14, 18)).apply_translation((2, 1, 8))]
     return trimesh.boolean.union(parts, engine="manifold")
 
 
-def pit():
+def pit() -> trimesh.Trimesh:
     """A block with a deep square pit, and a bar across it."""
-    hole = trimesh.creation.box((12, 9, 60)).apply_translation((1, 0, 26))
+    hole = trimesh.creation.box((12, 9, 60))
+    hole.apply_translation((1, 0, 26))
     hole.apply_transform(trimesh.transformations.rotation_matrix(0.05, (1, 0.3, 0)))
     block = trimesh.boolean.difference([trimesh.creation.box((34, 30, 40)), hole], engine="manifold")
-    return trimesh.boolean.union([block, trimesh.creation.box((36, 2, 2)).apply_translation((0, 3, 10))],
-                                 engine="manifold")  # fmt: skip
+    bar = trimesh.creation.box((36, 2, 2))
+    bar.apply_translation((0, 3, 10))
+    return trimesh.boolean.union([block, bar], engine="manifold")
+
+
+def alone(found):
+    """What each ring does alone that can."""
+    return [one.placement for one in found.alone if one.placement is not None]
+
+
+def bound_of(found) -> placement.RingsBound:
+    """The certificate, which was asked for."""
+    assert found.certificate is not None
+    return found.certificate
 
 
 def camera(ring, angle):

@@ -1,11 +1,13 @@
 """Whatever is asked, every layout that comes back keeps it: between rings too."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import exact
 import placement
-from tests.placement.rings.by_hand import QUICK, cameras, wall
+from tests.placement.rings.by_hand import QUICK, bound_of, cameras, wall
 
 SETTINGS = placement.Settings(
     n_samples=300, n_angles=24, n_starts=4, n_start_phases=1, temperatures=(0.2,), n_phases=2, exact_phases=1,
@@ -90,6 +92,8 @@ REFUSED = [
     ({"threshold": 4}, "threshold is 4 with 3 cameras"),
     ({"give_up": float("nan")}, "give_up is nan"),
     ({"seed": -1}, "seed is -1"),
+    ({"n_cameras": 10**9}, "number of cameras is 1000000000; it must be at most 10000"),
+    ({"settings": placement.Settings(certify_on="samples")}, "bounded on the surface alone: ask for"),
     ({"rings": (exact.Ring(focus=(900, 0, 0)), exact.Ring(focus=(0, 900, 0)))}, "no camera on this ring sees anything"),
 ]  # fmt: skip
 
@@ -104,6 +108,31 @@ def test_what_cannot_be_is_refused(asked, words, unchecked):
 def test_a_word_that_is_not_known_is_refused():
     with pytest.raises(TypeError, match=r"unexpected keyword argument 'treshold'; did you mean 'threshold'\?"):
         placement.optimise_rings(wall(), RINGS, 3, treshold=2)
+
+
+def test_all_cameras_fixed_are_taken_as_they_are():
+    constraints = placement.Constraints(fixed=(0.3, 2.0)), placement.Constraints(fixed=(1.0,))
+    found = placement.optimise_rings(
+        wall(), RINGS, 3, most=(2, 1), constraints=constraints, settings=SETTINGS, workers=1
+    )  # fmt: skip
+    assert found.ring_of == (0, 0, 1) and found.angles == pytest.approx((0.3, 2.0, 1.0))
+    assert bound_of(found).bound_fraction == pytest.approx(found.fraction, rel=3e-4)
+
+
+def test_one_camera_sits_where_it_sees_the_most():
+    found = placement.optimise_rings(wall(), RINGS, 1, threshold=1, settings=SETTINGS, workers=1, certify=False)
+    places = [ring.cameras([angle]) for ring in RINGS for angle in np.radians(range(0, 360, 30))]
+    assert found.area >= max(exact.areas(wall(), places, threshold=1)) * (1 - 5e-3)
+    assert found.smallest_separation == np.inf and found.error_rms == np.inf
+
+
+def test_a_bound_that_would_take_long_is_left_out_unless_asked_for(monkeypatch):
+    monkeypatch.setattr("placement.proof.surface.USUAL_WORK", 100)
+    found = placement.optimise_rings(wall(), RINGS, 2, workers=1, settings=SETTINGS)
+    assert found.certificate is None
+    settings = replace(SETTINGS, certify_on="surface")
+    found = placement.optimise_rings(wall(), RINGS, 2, workers=1, settings=settings)
+    assert bound_of(found).proven
 
 
 def test_two_rings_in_one_place_are_kept_apart():
