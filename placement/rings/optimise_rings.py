@@ -40,7 +40,7 @@ N_ALONE = 4
 @shows(ASKED)
 def optimise_rings(
     mesh: Surfaces,
-    rings: Sequence[exact.Ring],
+    rings: Sequence[exact.Ring] | exact.Ring,
     n_cameras: int = 4,
     *,
     most: Sequence[int | None] | None = None,
@@ -65,7 +65,7 @@ def optimise_rings(
     ----------
     mesh : trimesh.Trimesh, exact.Scene, or sequence of them
         One site or several [mm].
-    rings : (K,) sequence of exact.Ring
+    rings : (K,) sequence of exact.Ring, or exact.Ring
         Where cameras may be. The rings need share nothing. A ring 0.001 mm wide is one camera on the axis, if it takes
         only one; its ring angle is the roll of that camera.
     n_cameras : int
@@ -221,7 +221,7 @@ def optimise_rings(
     )
 
 
-def _checked_rings(rings: Sequence[exact.Ring]) -> tuple[exact.Ring, ...]:
+def _checked_rings(rings: Sequence[exact.Ring] | exact.Ring) -> tuple[exact.Ring, ...]:
     several = (rings,) if isinstance(rings, exact.Ring) else tuple(rings)
     if not several:
         raise PlacementError("there is no ring; give at least one")
