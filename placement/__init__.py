@@ -20,6 +20,9 @@ if TYPE_CHECKING:
     from placement.proof.surface_bound import SurfaceBound
     from placement.recommend import CountResult, Recommendation, recommend
     from placement.results import Candidate, Placement, SearchRecord, SiteResult
+    from placement.rings.optimise_rings import optimise_rings
+    from placement.rings.rings_bound import RingsBound
+    from placement.rings.rings_placement import OneRing, RingsCandidate, RingsPlacement
     from placement.robustness import Consensus, Robustness, consensus, robustness
     from placement.search.equidistant import best_equidistant_phase
     from placement.search.refined_ring import RefinedRing, refine_ring
@@ -35,12 +38,16 @@ __all__ = [
     "Consensus",
     "Constraints",
     "CountResult",
+    "OneRing",
     "Pair",
     "Placement",
     "PlacementError",
     "Problem",
     "Recommendation",
     "RefinedRing",
+    "RingsBound",
+    "RingsCandidate",
+    "RingsPlacement",
     "Robustness",
     "SearchRecord",
     "Settings",
@@ -56,6 +63,7 @@ __all__ = [
     "falloff",
     "jitter",
     "optimise",
+    "optimise_rings",
     "place",
     "recommend",
     "recommend_count",

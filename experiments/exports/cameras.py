@@ -1,6 +1,7 @@
 """The cameras of a layout as they are exported: named, and with an image size in pixels."""
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -90,6 +91,24 @@ def named_cameras(
         NamedCamera(f"camera_{number:0{digits}d}", float(angle), replace(camera, resolution=pixels))
         for number, (angle, camera) in enumerate(zip(angles, ring.cameras(angles, rolls), strict=True), start=1)
     )
+
+
+def named_on_rings(rings: Sequence[exact.Ring], ring_of, angles) -> tuple[NamedCamera, ...]:
+    """The same for cameras on several rings: which of the rings (M,) each sits on, from 0, and its ring angle [rad].
+
+    Names tell the ring, counted from 1; the cameras of each ring follow each other.
+
+    Examples
+    --------
+    >>> rings = exact.Ring(), exact.Ring(fov=(30.0, 30.0))
+    >>> [(camera.name, camera.size) for camera in named_on_rings(rings, [0, 1], [0.5, 2.0])]
+    [('ring_1_camera_01', (3600, 2400)), ('ring_2_camera_01', (3600, 3600))]
+    """
+    found = []
+    for k in np.unique(ring_of).tolist():
+        own = named_cameras(rings[k], np.asarray(angles)[np.asarray(ring_of) == k])
+        found += [replace(camera, name=f"ring_{k + 1}_{camera.name}") for camera in own]
+    return tuple(found)
 
 
 def parse_resolution(text: str) -> tuple[int, int]:

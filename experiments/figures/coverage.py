@@ -43,32 +43,49 @@ def write_coverage(
     """Draw the panels side by side with one legend, and the ring from above, to a PNG file."""
     figure = Figure(figsize=(5.0 * len(panels) + 5.2, 6.7), dpi=150, layout="constrained")
     axes = figure.subplots(1, len(panels) + 1, width_ratios=[5.0] * len(panels) + [4.6])
-    shades = max(demand.threshold, min(max(len(panel.angles) for panel in panels), MOST_SHADES))
-    palette = colours(shades, demand.threshold)
-    reconstructions = []
-    for panel in panels:
-        cameras = ring.cameras(panel.angles, panel.rolls)
-        # As many views as are told apart, not only as many as it takes.
-        told_apart = replace(demand, threshold=min(shades, len(cameras)))
-        reconstructions.append(exact.evaluate(scene, cameras, demand=told_apart))
-    seen = np.any([result.level_face_areas[0] > 0 for result in reconstructions], axis=0)
-    camera = display_camera(scene.mesh, ring, seen if seen.any() else scene.of_mesh(scene.counted))
-    shown: set[int] = set()
-    for panel, reconstruction, ax in zip(panels, reconstructions, axes[:-1], strict=True):
-        shown |= add_surface(ax, reconstruction, camera, palette, demand)
-        _add_bar(ax, camera.fov[0] / 2)
-        ax.set_title(figure_text(f"{panel.title}\n{panel.caption}"), fontsize=12)
+    titled = [(f"{panel.title}\n{panel.caption}", ring.cameras(panel.angles, panel.rolls)) for panel in panels]
+    handles = add_surfaces(axes[:-1], scene, ring, titled, demand)
     _ring_from_above(axes[-1], ring, panels)
     heading = f"{name}: which parts do the cameras see?  (seen from the ring, looking down)"
     figure.suptitle(figure_text(heading), fontsize=14)
+    add_legend(figure, handles, demand)
+    with written_whole(path) as temporary:
+        figure.savefig(temporary)
+
+
+def add_surfaces(
+    axes: Sequence[Axes],
+    scene: exact.Scene,
+    ring: exact.Ring,
+    titled: Sequence[tuple[str, Sequence[exact.Camera]]],
+    demand: exact.Demand,
+) -> list[Patch]:
+    """Draw what cameras see, with a title above, into each of the axes, from the axis of `ring`; what colours mean."""
+    most = max(len(cameras) for _, cameras in titled)
+    shades = max(demand.threshold, min(most, MOST_SHADES))
+    palette = colours(shades, demand.threshold)
+    # As many views as are told apart, not only as many as it takes.
+    reconstructions = [
+        exact.evaluate(scene, cameras, demand=replace(demand, threshold=min(shades, len(cameras))))
+        for _, cameras in titled
+    ]
+    seen = np.any([result.level_face_areas[0] > 0 for result in reconstructions], axis=0)
+    camera = display_camera(scene.mesh, ring, seen if seen.any() else scene.of_mesh(scene.counted))
+    shown: set[int] = set()
+    for (title, _), reconstruction, ax in zip(titled, reconstructions, axes, strict=True):
+        shown |= add_surface(ax, reconstruction, camera, palette, demand)
+        _add_bar(ax, camera.fov[0] / 2)
+        ax.set_title(figure_text(title), fontsize=12)
+    return _legend(palette, shades, demand, most, shown)
+
+
+def add_legend(figure: Figure, handles: Sequence[Patch], demand: exact.Demand) -> None:
+    """What the colours of `add_surfaces` mean, below a figure."""
     figure.legend(
-        handles=_legend(palette, shades, demand, max(len(panel.angles) for panel in panels), shown),
-        loc="outside lower center", ncols=min(6, len(shown)), fontsize=11, frameon=False,
+        handles=handles, loc="outside lower center", ncols=min(6, len(handles)), fontsize=11, frameon=False,
         title=f"a point is reconstructable when {demand.clause()}",
         title_fontsize=11,
     )  # fmt: skip
-    with written_whole(path) as temporary:
-        figure.savefig(temporary)
 
 
 def _add_bar(ax: Axes, half: float) -> None:

@@ -2,6 +2,7 @@
 
 import math
 import re
+from typing import NamedTuple
 
 from experiments.files.errors import InputError
 
@@ -56,6 +57,46 @@ def parse_angles(text: str, option: str = "--angles-deg") -> tuple[float, ...]:
     if not all(math.isfinite(angle) for angle in degrees):
         raise InputError(f"{option} is {text!r}; every angle must be finite")
     return degrees
+
+
+class RingText(NamedTuple):
+    """One of several rings, as an option gives it."""
+
+    diameter: float
+    working_distance: float
+    fov: tuple[float, float] | None
+    """Its own; None for that of all."""
+    most: int | None
+    """The most cameras that it takes; None for as many as there is room for."""
+
+
+def parse_ring(text: str, option: str = "--ring") -> RingText:
+    """Diameter x working distance [mm], then @ and a field of view of its own, then a colon and the most cameras.
+
+    Raises
+    ------
+    InputError
+        If it is something else.
+
+    Examples
+    --------
+    >>> parse_ring("30x400")
+    RingText(diameter=30.0, working_distance=400.0, fov=None, most=None)
+    >>> parse_ring("16x380@40x30:1")
+    RingText(diameter=16.0, working_distance=380.0, fov=(40.0, 30.0), most=1)
+    """
+    sizes, _, most = text.partition(":")
+    ring, _, fov = sizes.partition("@")
+    try:
+        if (":" in text and not re.fullmatch(r"\s*[0-9]{1,6}\s*", most)) or ("@" in text and not fov.strip()):
+            raise InputError("")
+        diameter, distance = parse_fov(ring, option)
+        return RingText(diameter, distance, parse_fov(fov, option) if fov else None, int(most) if most else None)
+    except InputError:
+        raise InputError(
+            f"{option} is {text[:40]!r}; it must be diameter x working distance [mm], as in 30x400, with a field of "
+            "view of its own after @ and the most cameras that it takes after a colon, as in 16x380@40x30:1"
+        ) from None
 
 
 def parse_vector(text: str, option: str = "--focus") -> tuple[float, float, float]:

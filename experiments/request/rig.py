@@ -6,7 +6,7 @@ What may stand in it is said in `experiments.request.options`.
 import difflib
 import math
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -15,11 +15,14 @@ import exact
 import placement
 from exact import demand
 from experiments.files.errors import InputError
+from experiments.request.option_kinds import WHOLE, Kind
 from experiments.request.options import PARTS, Option, fields_of, keys, sections
 from experiments.request.simulation import Simulation
 
 # What --place auto finds.
 PLACED = ("focus", "axis", "zero_towards")
+# The key of a table [[ring]] that is no field of a ring.
+MOST = "most"
 
 Sections = dict[str, dict[str, Option]]
 
@@ -118,13 +121,15 @@ class Rig:
         )
 
 
-def rig(path: Path | None = None, **options: Any) -> Rig:
+def rig(path: Path | None = None, several: bool = False, **options: Any) -> Rig:
     """What is asked for: by options, else by the rig file, else by default.
 
     Parameters
     ----------
     path : Path, optional
         A rig file.
+    several : bool
+        Whether it may have tables [[ring]], of which `ring_tables` tells; they are left out here.
     options : dict
         Values by the names of their keys; None for an option that was not given. The text of an option
         stands for what it says: "36x24", "0,90", "60:90,200:230".
@@ -143,7 +148,7 @@ def rig(path: Path | None = None, **options: Any) -> Rig:
     known = keys()
     values = {name: key.default for name, key in known.items()}
     if path is not None:
-        values |= read(path)
+        values |= read(path, several)
     given = _understood(options)
     values |= given
     values["roll"] = _roll(values, given)
@@ -232,41 +237,87 @@ def _understood(options: Mapping[str, Any]) -> dict[str, Any]:
     return values
 
 
-def read(path: Path) -> dict[str, Any]:
-    """Values that a rig file gives, by the names of their keys.
+def read(path: Path, several: bool = False) -> dict[str, Any]:
+    """Values that a rig file gives, by the names of their keys; with `several`, but for tables [[ring]].
 
     Raises
     ------
     InputError
         If it is not there or no TOML, if a section or key is not known, or a value is of another kind.
     """
-    try:
-        content = tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(f"cannot read rig file {path}: {error.strerror}; camring rig init writes one") from error
-    except (ValueError, RecursionError) as error:
-        raise InputError(f"{path} is not a rig file: it holds no valid TOML ({error})") from error
     known, values = sections(), {}
-    for section, given in content.items():
+    for section, given in _content(path).items():
         if section not in known:
             raise InputError(f"{path}: {_unknown_section(section, known)}")
+        if section == "ring" and _is_several(given):
+            if several:
+                continue
+            raise InputError(
+                f"{path} has {len(given)} rings, tables [[ring]], of which camring optimise alone takes several; give "
+                "one section [ring]"
+            )
         if not isinstance(given, dict):
             raise InputError(f"{path}: {section} is {given!r}; needed is a section [{section}] with keys below it")
         for name, value in given.items():
             if name not in known[section]:
                 raise InputError(f"{path}: {_unknown_key(section, name, known)}")
-            kind = known[section][name].kind
-            try:
-                values[name] = kind.checked(value)
-            except (TypeError, ValueError, OverflowError):
-                raise InputError(
-                    f"{path}: {name} in [{section}] is {value!r}; it must be {kind.needs}, as in {kind.example}"
-                ) from None
+            values[name] = _checked(path, section, name, known[section][name].kind, value)
     if values.get("exclude") not in (None, "top", "none"):
         values["exclude"] = str(path.parent / values["exclude"])
     if values.get("obstacle") is not None:
         values["obstacle"] = tuple(str(path.parent / name) for name in values["obstacle"])
     return values
+
+
+def ring_tables(path: Path | None) -> list[dict[str, Any]]:
+    """What each table [[ring]] of a rig file gives: fields of `exact.Ring`, and "most", the most cameras it takes.
+
+    None of them if the file has a section [ring], or none.
+
+    Raises
+    ------
+    InputError
+        As by `read`.
+    """
+    if path is None or not _is_several(tables := _content(path).get("ring", [])):
+        return []
+    known, found = sections(), []
+    keys_of_ring = {name: one for name, one in known["ring"].items() if "Ring" in one.classes}
+    for table in tables:
+        for name in table:
+            if name not in keys_of_ring and name != MOST:
+                near = _likely(name, (*keys_of_ring, MOST), "{}")
+                raise InputError(f"{path}: there is no key {name!r} in [[ring]]{near}")
+        values = {
+            name: _checked(path, "[ring]", name, WHOLE if name == MOST else keys_of_ring[name].kind, value)
+            for name, value in table.items()
+        }
+        most = {MOST: values.pop(MOST)} if MOST in values else {}
+        found.append(fields_of("Ring", values) | most)
+    return found
+
+
+def _content(path: Path) -> dict[str, Any]:
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(f"cannot read rig file {path}: {error.strerror}; camring rig init writes one") from error
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"{path} is not a rig file: it holds no valid TOML ({error})") from error
+
+
+def _is_several(given: Any) -> bool:
+    """Whether a section is a list of tables."""
+    return isinstance(given, list) and len(given) > 0 and all(isinstance(one, dict) for one in given)
+
+
+def _checked(path: Path, section: str, name: str, kind: Kind, value: Any) -> Any:
+    try:
+        return kind.checked(value)
+    except (TypeError, ValueError, OverflowError):
+        raise InputError(
+            f"{path}: {name} in [{section}] is {value!r}; it must be {kind.needs}, as in {kind.example}"
+        ) from None
 
 
 def _unknown_section(name: str, known: Sections) -> str:
@@ -288,7 +339,7 @@ def _home(name: str, known: Sections) -> str | None:
     return next((section for section, keys in known.items() if name in keys), None)
 
 
-def _likely(name: str, known: Mapping[str, object], shown: str) -> str:
+def _likely(name: str, known: Iterable[str], shown: str) -> str:
     """The end of a sentence: the known word that was probably meant, if one is near."""
     near = difflib.get_close_matches(name.lower(), known, n=1, cutoff=0.5)
     return f"; did you mean {shown.format(near[0])}?" if near else "."

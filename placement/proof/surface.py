@@ -7,9 +7,10 @@ sets as weights the grid program has no sampling error.
 import time
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+from jaxtyping import Bool, Float, Int
 
 import exact
 from exact.demand import SAME_LENGTH
@@ -27,6 +28,7 @@ from placement.proof.certificate import (
 from placement.proof.grid_program import GridProgram
 from placement.proof.solver import solve
 from placement.proof.surface_bound import SurfaceBound
+from placement.sites import Sites
 
 if TYPE_CHECKING:
     from placement.problem import Problem
@@ -100,9 +102,35 @@ def surface_program(
     with any error.
     """
     parts = problem.grid_sets(demand, n_grid, space.constraints.fixed)
-    ring_areas, worst = problem.scorer(space.constraints).ring_areas, problem.sites.objective == "worst"
-    shares = np.ones(len(parts)) if worst else problem.sites.shares
-    seen, weights, sites = [], [], []
+    sets, small = weighted_sets(parts, problem.sites, problem.scorer(space.constraints).ring_areas, demand)
+    views = sets.seen
+    chord = np.full(views.shape[1], demand.baseline * (1 - SAME_LENGTH))
+    rules = grid_rules(space, n_grid, arc_of(chord, space.ring))
+    return GridProgram(
+        views[:n_grid].copy(), sets.weights, space.n_free, demand.threshold, rules.window, rules.allowed, sets.site,
+        rules.apart, views[n_grid:].copy(), rules.fixed_at, sets.n_sites,
+    ), small  # fmt: skip
+
+
+class WeightedSets(NamedTuple):
+    """Sets of cameras and what they are worth: fields as those of `GridProgram`."""
+
+    seen: Bool[np.ndarray, "K P"]
+    weights: Float[np.ndarray, " P"]
+    site: Int[np.ndarray, " P"]
+    n_sites: int
+
+
+def weighted_sets(
+    parts: Sequence[tuple[np.ndarray, np.ndarray]], sites: Sites, ring_areas: Sequence[float], demand: exact.Demand
+) -> tuple[WeightedSets, float]:
+    """Sets of K cameras of (S,) sites, shares of their ring maxima, and the share of small ones, which are left out.
+
+    `parts` are of each site the (P, K) sets of cameras that see something, and its area [mm²].
+    """
+    worst = sites.objective == "worst"
+    shares = np.ones(len(parts)) if worst else sites.shares
+    seen, weights, numbers = [], [], []
     small = 0.0
     for number, ((of_sets, areas), share, ring_area) in enumerate(zip(parts, shares, ring_areas, strict=True)):
         enough = of_sets.sum(axis=1) >= demand.threshold
@@ -113,21 +141,19 @@ def surface_program(
         small = max(small, of_site) if worst else small + of_site
         seen.append(of_sets[kept])
         weights.append(weight[kept])
-        sites.append(np.full(len(kept), number * worst))
+        numbers.append(np.full(len(kept), number * worst))
     views = np.concatenate(seen).T
-    chord = np.full(views.shape[1], demand.baseline * (1 - SAME_LENGTH))
-    rules = grid_rules(space, n_grid, arc_of(chord, space.ring))
-    return GridProgram(
-        views[:n_grid].copy(), np.concatenate(weights), space.n_free, demand.threshold, rules.window, rules.allowed,
-        np.concatenate(sites), rules.apart, views[n_grid:].copy(), rules.fixed_at, len(parts) if worst else 1,
-    ), small  # fmt: skip
+    return WeightedSets(views, np.concatenate(weights), np.concatenate(numbers), len(parts) if worst else 1), small
 
 
 def _is_wanted(problem: "Problem", space: LayoutSpace) -> bool:
     """Whether the settings ask for it, or leave it open and it is usually done in less than half a minute."""
-    asked = problem.settings.certify_on
-    if asked != "auto":
-        return asked == "surface"
     cameras = grid_places(problem.settings) + len(space.constraints.fixed)
-    faces = sum(int(site.scene.counted.sum()) for site in problem.sites.members)
-    return faces * cameras <= USUAL_WORK
+    return problem.settings.certify_on == "surface" or (
+        problem.settings.certify_on == "auto" and is_usual(problem.sites, cameras)
+    )
+
+
+def is_usual(sites: Sites, n_cameras: int) -> bool:
+    """Whether sets of so many cameras are usually found in less than half a minute."""
+    return sum(int(site.scene.counted.sum()) for site in sites.members) * n_cameras <= USUAL_WORK

@@ -1,5 +1,6 @@
 """A site as the optimiser sees it: samples on the faces turned towards the ring, and their profiles."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -79,26 +80,9 @@ def sample_site(
     True
     """
     settings = Settings() if settings is None else settings
-    mesh, excluded, face_weights, threshold = scene.everything, ~scene.counted, scene.weights, demand.threshold
-    towards = faces_towards(mesh, ring)
-    if not (towards & ~excluded).any():
-        raise PlacementError(
-            _blind(f"none of the {int((~excluded).sum())} faces that count is turned towards it", ring, mesh)
-        )
-    ignored = excluded | ~towards if face_weights is None else excluded | ~towards | (face_weights == 0)
-    if ignored.all():
-        raise PlacementError("every face that is turned towards the ring has weight 0; give some of them more")
+    mesh, threshold = scene.everything, demand.threshold
     n_samples = settings.n_samples if n_samples is None else n_samples
-    samples = sample_surface(mesh, n_samples, ignored, seed, lambda corners: in_view(corners, ring))
-    if len(samples) == 0:
-        raise PlacementError(_blind("what is turned towards it lies outside the field of view", ring, mesh))
-    if face_weights is not None:
-        samples = replace(samples, weights=samples.weights * face_weights[samples.faces])
-    visibility = Visibility(mesh, demand)
-    if scene.lights:
-        samples = samples.subset(visibility.lit(samples, scene.lights))
-        if len(samples) == 0:
-            raise PlacementError(_blind("nothing turned towards it is lit; move or add lights", ring, mesh))
+    samples, visibility = samples_in_view(scene, (ring,), demand, n_samples, seed)
     profiles = ring_profiles(visibility, samples, ring, settings.n_angles, settings.bisections)
     if not profiles.visible.any():
         raise PlacementError(_blind(_unseen(visibility, samples, ring, demand), ring, mesh))
@@ -114,6 +98,40 @@ def sample_site(
     if not ring_area > 0:
         raise PlacementError("what the ring reconstructs has weight 0; give some of the faces it sees more")
     return SampledSite(samples, visibility, _merged(profiles, demand), ring_area)
+
+
+def samples_in_view(
+    scene: exact.Scene, rings: Sequence[exact.Ring], demand: exact.Demand, n_samples: int, seed: int
+) -> tuple[SurfaceSamples, Visibility]:
+    """Samples of what counts, is lit and may be in view of some camera of the rings, and who sees them.
+
+    Raises
+    ------
+    PlacementError
+        If there is nothing of the kind; the message speaks of the first ring.
+    """
+    mesh, excluded, face_weights = scene.everything, ~scene.counted, scene.weights
+    towards = np.any([faces_towards(mesh, ring) for ring in rings], axis=0)
+    if not (towards & ~excluded).any():
+        raise PlacementError(
+            _blind(f"none of the {int((~excluded).sum())} faces that count is turned towards it", rings[0], mesh)
+        )
+    ignored = excluded | ~towards if face_weights is None else excluded | ~towards | (face_weights == 0)
+    if ignored.all():
+        raise PlacementError("every face that is turned towards the ring has weight 0; give some of them more")
+    samples = sample_surface(
+        mesh, n_samples, ignored, seed, lambda corners: np.any([in_view(corners, ring) for ring in rings], axis=0)
+    )
+    if len(samples) == 0:
+        raise PlacementError(_blind("what is turned towards it lies outside the field of view", rings[0], mesh))
+    if face_weights is not None:
+        samples = replace(samples, weights=samples.weights * face_weights[samples.faces])
+    visibility = Visibility(mesh, demand)
+    if scene.lights:
+        samples = samples.subset(visibility.lit(samples, scene.lights))
+        if len(samples) == 0:
+            raise PlacementError(_blind("nothing turned towards it is lit; move or add lights", rings[0], mesh))
+    return samples, visibility
 
 
 def noise_of(samples: SurfaceSamples, ring: exact.Ring, demand: exact.Demand) -> Float[np.ndarray, " N"]:

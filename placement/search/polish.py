@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -32,6 +33,36 @@ JOINT_STEPS = np.radians([0.5, 0.1, 0.02])
 HALVINGS, CLEARANCE = 40, 1e-9
 
 Along = Callable[[float], tuple[float, float]]
+
+
+@runtime_checkable
+class Sloping(Protocol):
+    """What has an exact fraction and its derivative by the angles of cameras; methods as those of `Slopes`."""
+
+    def of_all(self, angles: np.ndarray) -> tuple[float, np.ndarray]:
+        """The fraction of a layout, and its derivative by all of its (M,) ring angles [1/rad]."""
+        ...
+
+    def jumps(self, angles: np.ndarray, camera: int, faces: bool) -> np.ndarray:
+        """How far a camera would have to go [rad] to where the area jumps up, within the window."""
+        ...
+
+    def of_one(self, angles: np.ndarray, camera: int) -> Along:
+        """The same as a function of the ring angle of one camera, the others held."""
+        ...
+
+
+@runtime_checkable
+class Room(Protocol):
+    """What says where cameras may go; methods as those of `LayoutSpace`."""
+
+    def free_cameras(self, angles) -> np.ndarray:
+        """Tell the indices of the cameras that are not fixed."""
+        ...
+
+    def allows(self, angles) -> bool:
+        """Whether a layout meets every constraint."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -65,12 +96,7 @@ class Slopes:
         return cls(scenes, sites.shares, sites.objective, ring, demand, tuple(ring_areas))
 
     def _combined(self, areas: list[float], slopes: list[np.ndarray]) -> tuple[float, np.ndarray]:
-        fractions = np.array(areas) / np.array(self.ring_areas)
-        of_sites = np.stack(slopes) / np.array(self.ring_areas)[:, None]
-        if self.objective == "worst":
-            worst = int(fractions.argmin())
-            return float(fractions[worst]), of_sites[worst]
-        return float(self.shares @ fractions), self.shares @ of_sites
+        return combined(areas, slopes, self.ring_areas, self.shares, self.objective)
 
     def of_all(self, angles: np.ndarray) -> tuple[float, np.ndarray]:
         """The fraction of a layout, and its derivative by all of its (M,) ring angles [1/rad]."""
@@ -88,9 +114,9 @@ class Slopes:
         if 0 < self.demand.baseline <= self.ring.diameter:
             apart = 2 * np.arcsin(self.demand.baseline / self.ring.diameter)
             others = np.delete(angles, camera)
-            found.append(_turned(np.concatenate([others - apart, others + apart]) - angles[camera]))
+            found.append(turned(np.concatenate([others - apart, others + apart]) - angles[camera]))
         if faces:
-            found += [_into_sight(scene, self.ring, angles[camera]) for scene in self.scenes]
+            found += [into_sight(scene, self.ring, angles[camera]) for scene in self.scenes]
         offset = np.concatenate(found)
         return offset[np.abs(offset) <= WINDOW]
 
@@ -109,12 +135,25 @@ class Slopes:
         return along
 
 
-def _turned(angle: np.ndarray) -> np.ndarray:
+def combined(
+    areas: Sequence[float], slopes: Sequence[np.ndarray], ring_areas: Sequence[float], shares: np.ndarray,
+    objective: str,
+) -> tuple[float, np.ndarray]:  # fmt: skip
+    """Fraction of the ring maxima and its derivative, from areas of (S,) sites [mm²] and (M,) derivatives of each."""
+    fractions = np.array(areas) / np.array(ring_areas)
+    of_sites = np.stack(slopes) / np.array(ring_areas)[:, None]
+    if objective == "worst":
+        worst = int(fractions.argmin())
+        return float(fractions[worst]), of_sites[worst]
+    return float(shares @ fractions), shares @ of_sites
+
+
+def turned(angle: np.ndarray) -> np.ndarray:
     """The same angles from -pi to pi."""
     return np.angle(np.exp(1j * angle))
 
 
-def _into_sight(scene: exact.Scene, ring: exact.Ring, angle: float) -> np.ndarray:
+def into_sight(scene: exact.Scene, ring: exact.Ring, angle: float) -> np.ndarray:
     """(K,) how far a camera would have to go to see the fronts of the largest faces in whose plane it then was."""
     planes, counts = scene.surface.planes, scene.counted & (scene.surface.areas > 0)
     normal = planes.normal[counts] @ ring.frame
@@ -127,7 +166,7 @@ def _into_sight(scene: exact.Scene, ring: exact.Ring, angle: float) -> np.ndarra
     # A face is seen from an arc about where its normal points.
     area = np.tile(scene.surface.areas[counts][crosses], 2)
     offset = np.concatenate([towards[crosses] - away + BEYOND, towards[crosses] + away - BEYOND]) - angle
-    offset = _turned(offset)
+    offset = turned(offset)
     near = np.abs(offset) <= WINDOW
     # Faces in one plane come into sight together.
     offset, area = offset[near], area[near]
@@ -136,9 +175,7 @@ def _into_sight(scene: exact.Scene, ring: exact.Ring, angle: float) -> np.ndarra
     return np.array([offset[group == one].mean() for one in largest])
 
 
-def polish(
-    slopes: Slopes, space: LayoutSpace, angles, max_sweeps: int, thorough: bool = False
-) -> tuple[np.ndarray, int]:
+def polish(slopes: Sloping, space: Room, angles, max_sweeps: int, thorough: bool = False) -> tuple[np.ndarray, int]:
     """Move one camera after another to its best place within a degree, until none has a better one.
 
     Where the area goes on rising, a camera goes on. Slopes tell where between two places there may be a better one,
@@ -147,9 +184,9 @@ def polish(
 
     Parameters
     ----------
-    slopes : Slopes
+    slopes : Sloping
         Gives exact fractions and their derivatives.
-    space : LayoutSpace
+    space : Room
         What is allowed; the layout stays in it.
     angles : (M,) array_like
         Ring angles [rad] to start from.
@@ -197,7 +234,7 @@ def polish_several(
 
 
 def _best_place(
-    along: Along, theta: np.ndarray, camera: int, space: LayoutSpace, places: np.ndarray, settled: float
+    along: Along, theta: np.ndarray, camera: int, space: Room, places: np.ndarray, settled: float
 ) -> tuple[float, float, int]:
     """The best angle of a camera near its own, what is gained by it, and how many were tried."""
     here = theta[camera]
@@ -240,7 +277,7 @@ def _most_promising(found: dict[float, tuple[float, float]]) -> tuple[float, flo
     return float(offset[i] + np.clip(step[i], APART * width[i], (1 - APART) * width[i])), float(height[i])
 
 
-def _reach(theta: np.ndarray, camera: int, space: LayoutSpace, sign: float) -> float:
+def _reach(theta: np.ndarray, camera: int, space: Room, sign: float) -> float:
     """How far a camera may go one way without passing what it may not, at most `FARTHEST` [rad]."""
 
     def allowed(by: float) -> bool:
@@ -260,7 +297,7 @@ def _reach(theta: np.ndarray, camera: int, space: LayoutSpace, sign: float) -> f
 
 
 def _joint_step(
-    slopes: Slopes, theta: np.ndarray, free: list[int], space: LayoutSpace, settled: float
+    slopes: Sloping, theta: np.ndarray, free: list[int], space: Room, settled: float
 ) -> tuple[np.ndarray, float, int]:
     """The layout after the first step of all cameras along the gradient that gains, what it gains, and steps tried."""
     start, slope = slopes.of_all(theta)

@@ -14,6 +14,9 @@ import exact
 from exact.workers import background
 from placement.sites import Site, Sites
 
+# Cameras of a ring no wider than this [mm] are all in one place: of them together nothing is triangulated.
+ON_AXIS = 1e-2
+
 
 @runtime_checkable
 class Memory(Protocol):
@@ -36,12 +39,12 @@ class RingMaximum:
     ----------
     sites : Sites
         What is to be reconstructed.
-    ring : exact.Ring
-        The ring.
+    ring : exact.Ring or tuple of exact.Ring
+        The ring, or several that are taken together.
     demand : exact.Demand
         What makes a point count; its baseline is left out, so that fractions under different baselines compare.
     n_cameras : int
-        Number of equidistant cameras.
+        Number of equidistant cameras, on each ring; beside wider rings, one on a ring that is one place, to `ON_AXIS`.
     workers : int
         Processes that share the work; the areas do not depend on it.
     memory : Memory, optional
@@ -62,7 +65,7 @@ class RingMaximum:
     def __init__(
         self,
         sites: Sites,
-        ring: exact.Ring,
+        ring: exact.Ring | tuple[exact.Ring, ...],
         demand: exact.Demand,
         *,
         n_cameras: int = 360,
@@ -108,7 +111,10 @@ class RingMaximum:
         return found
 
     def _evaluated(self, site: Site) -> float:
-        cameras = self._ring.cameras(self._ring.equidistant(self._n_cameras))
+        rings = (self._ring,) if isinstance(self._ring, exact.Ring) else self._ring
+        one_place = [ring.diameter <= ON_AXIS for ring in rings]
+        numbers = [1 if at_one and not all(one_place) else self._n_cameras for at_one in one_place]
+        cameras = [one for ring, n in zip(rings, numbers, strict=True) for one in ring.cameras(ring.equidistant(n))]
         return exact.evaluate(site.scene, cameras, demand=self._demand, workers=self._workers).area
 
     def _key(self, site: Site) -> str:

@@ -1,14 +1,28 @@
 """The last tenths of a degree where the area has no derivative that is known: moves of one camera by fixed steps."""
 
+from collections.abc import Callable
+from typing import Protocol, runtime_checkable
+
 import numpy as np
 
-from placement.layouts.arcs import LayoutSpace
-from placement.search.polish import WORTHWHILE
-from placement.search.scoring import ExactScorer
+from placement.search.polish import WORTHWHILE, Room
+
+
+@runtime_checkable
+class Scored(Protocol):
+    """What gives exact fractions; methods as those of `ExactScorer`."""
+
+    def fraction(self, angles) -> float:
+        """Exact fraction of the ring maximum for a layout."""
+        ...
+
+    def moving(self, angles, camera: int) -> Callable[[float], float]:
+        """`fraction` as a function of the ring angle [rad] of one of the cameras, the others held."""
+        ...
 
 
 def polish_by_steps(
-    scorer: ExactScorer, space: LayoutSpace, angles, steps: tuple[float, ...], max_sweeps: int
+    scorer: Scored, space: Room, angles, steps: tuple[float, ...], max_sweeps: int
 ) -> tuple[np.ndarray, int]:
     """Move one free camera at a time, by falling steps, as long as the exact fraction grows.
 
@@ -16,7 +30,7 @@ def polish_by_steps(
 
     Parameters
     ----------
-    scorer : ExactScorer
+    scorer : Scored
         Gives exact areas.
     steps : tuple of float
         Falling step lengths [rad].

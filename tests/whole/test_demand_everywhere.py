@@ -76,12 +76,17 @@ def test_a_further_field_works_in_every_search(wall, wider):
     assert one.angles == other.angles and one.area == other.area
     kept = placement.robustness(problem, found.angles, n_mountings=1)
     assert kept.fraction == pytest.approx(found.fraction, rel=1e-12)
+    rings = (RING, exact.Ring(20.0))
+    one, other = (placement.optimise_rings(wall, rings, 3, settings=QUICK, **asked) for asked in (more, less))
+    assert one.angles == other.angles and one.area == other.area and one.demand.baseline == 29.0
+    assert one.certificate.bound_fraction == other.certificate.bound_fraction
 
 
 @pytest.mark.parametrize(
     "function",
     [exact.evaluate, exact.areas, exact.gradient, exact.OneMore, exact.OneMoreView, placement.optimise,
-     placement.certify, placement.recommend_count, placement.Problem, placement.triangulation, placement.refine_ring],
+     placement.certify, placement.recommend_count, placement.Problem, placement.triangulation, placement.refine_ring,
+     placement.optimise_rings],
 )  # fmt: skip
 def test_help_shows_every_keyword_and_no_other_is_taken(wall, function):
     shown = inspect.signature(function).parameters

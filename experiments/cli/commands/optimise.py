@@ -18,6 +18,7 @@ from experiments.request import rig as rig_file
 from experiments.request.meshes import is_site
 from experiments.request.request import Request, request
 from experiments.request.target_fraction import checked_target, reach
+from experiments.rings.several import RINGS_OUTPUTS, checked_rings, optimise_rings, refuse_for_several, rings_asked
 from experiments.tables import layouts as layout_table
 from experiments.tables import mounting as mounting_table
 from experiments.tables import robustness as robustness_table
@@ -36,6 +37,7 @@ def run(
     rig_path: Path | None,
     options: dict[str, Any],
     *,
+    rings: list[str] | None,
     depth: float | None,
     detail: str | None,
     target: float | None,
@@ -48,13 +50,23 @@ def run(
 ) -> None:
     """Optimise, print and write; `options` are those of the rig, by the names of their keys."""
     checked_target(target)
+    several = rings_asked(rings or (), rig_file.ring_tables(rig_path))
+    if several:
+        refuse_for_several(options, with_report)
     names = () if export is None else formats.parse_formats(export, "--export", (*formats.FORMATS, "mesh"))
     if any(is_site(name) for name in meshes):
         start_processes(available_cores())  # which takes as long as building a site
-    asked = request(meshes, depth, detail, rig_file.rig(rig_path, **options))
-    asked.check_cameras(asked.rig.n_cameras)
+    asked = request(meshes, depth, detail, rig_file.rig(rig_path, bool(several), **options))
     meshes_too = coverage_mesh.FILES if "mesh" in names else ()
     names = tuple(name for name in names if name in formats.FORMATS)
+    if several:
+        on_rings = checked_rings(several, {} if rings else options, asked)
+        results_folder(out, (*RINGS_OUTPUTS, *meshes_too), asked.subjects[0], force)
+        files = formats.prepare(out, names, force)
+        fraction = optimise_rings(on_rings, asked, names, bool(meshes_too), files, out, as_json)
+        reach(target, fraction, f"{asked.rig.n_cameras} cameras on all rings")
+        return
+    asked.check_cameras(asked.rig.n_cameras)
     results_folder(out, (*OUTPUTS, *meshes_too, *[REPORT] * with_report), asked.subjects[0], force)
     files = formats.prepare(out, names, force)
     background(import_descent)  # while the site is sampled

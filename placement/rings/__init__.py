@@ -1,0 +1,1 @@
+"""Cameras on several rings: which of them sits on which, and where."""

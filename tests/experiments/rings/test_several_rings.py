@@ -1,0 +1,202 @@
+"""camring optimise --ring … --ring …: what is printed and written is what the library finds, exports show the same."""
+
+import csv
+import json
+
+import matplotlib.image
+import numpy as np
+import pytest
+import trimesh
+
+import exact
+import meshes
+import placement
+from experiments.cli.app import main
+from tests.experiments.exports.test_export import (  # noqa: F401 - further readers of what is exported
+    Exported,
+    test_colmap_reads_the_same_cameras,
+    test_gltf_cameras_project_the_same,
+    test_gltf_shows_the_site_and_each_frustum,
+    test_opencv_projects_the_same,
+    test_table_says_the_same,
+    test_transforms_follow_opengl,
+)
+from tests.placement.rings.by_hand import alone, bound_of
+
+RINGS = exact.Ring(), exact.Ring(16.0, 380.0, (54.0, 36.0))
+
+
+@pytest.fixture(scope="module")
+def desk(tmp_path_factory, quick_search):
+    folder = tmp_path_factory.mktemp("desk")
+    parts = [trimesh.creation.box((30, 30, 2)), trimesh.creation.box((4, 30, 20))]
+    trimesh.boolean.union(parts, engine="manifold").export(folder / "scan.stl")
+    (folder / "rig.toml").write_text(quick_search, encoding="utf-8")
+    return folder
+
+
+def asked(desk, *options):
+    rings = ("--ring", "30x400", "--ring", "16x380@54x36:1")
+    return ("optimise", desk / "scan.stl", "--rig", desk / "rig.toml", *rings, "--cameras", 3, *options)
+
+
+@pytest.fixture(scope="module")
+def written(desk):
+    """The folder with everything that is written, and the file that says what was found."""
+    out = desk / "out"
+    arguments = asked(desk, "--certify", "--export", "colmap,transforms,opencv,glb,csv,mesh", "--out", out)
+    with pytest.raises(SystemExit) as end:
+        main([str(word) for word in arguments])
+    assert not end.value.code
+    return out, json.loads((out / "several_rings.json").read_text(encoding="utf-8"))
+
+
+class OnRings(Exported):
+    """The layout on several rings with everything exported from it, and its cameras according to `exact`."""
+
+    def __init__(self, desk, written):
+        self.folder, content = written
+        self.scan, self.resolution = desk / "scan.stl", (3600, 2400)
+        self.angles_deg = [one["ring_angle_deg"] for one in content["cameras"]]
+        self.points = np.random.default_rng(7).uniform(-25, 25, (200, 3))
+        self.cameras, self.names, numbers = [], [], [0, 0]
+        for one in content["cameras"]:
+            (made,) = RINGS[one["ring"] - 1].cameras([np.radians(one["ring_angle_deg"])])
+            pixels = np.array(self.resolution, dtype=float)
+            self.cameras.append(
+                exact.Camera(made.position, made.rotation, made.target_distance, made.fov, pixels)
+            )  # fmt: skip
+            numbers[one["ring"] - 1] += 1
+            self.names.append(f"ring_{one['ring']}_camera_{numbers[one['ring'] - 1]:02d}")
+
+
+@pytest.fixture(scope="module")
+def exported(desk, written):
+    return OnRings(desk, written)
+
+
+def test_the_file_says_what_the_library_finds(desk, written, quick_search):
+    _, content = written
+    search = dict(line.split(" = ") for line in quick_search.strip().splitlines()[1:])
+    settings = {name: json.loads(value) for name, value in search.items() if name != "certify"}
+    settings = placement.Settings(**settings | {"polish_steps": ()}, certificate_step=float(np.radians(15)))
+    mesh = meshes.load(desk / "scan.stl")
+    found = placement.optimise_rings(mesh, RINGS, 3, most=(None, 1), settings=settings, workers=1)
+    assert [(one["ring"] - 1, one["ring_angle_rad"]) for one in content["cameras"]] == list(
+        zip(found.ring_of, found.angles, strict=True)
+    )
+    assert (content["area_mm2"], content["fraction_of_all_rings"]) == (found.area, found.fraction)
+    assert content["all_rings_area_mm2"] == found.maximum_area
+    assert content["smallest_separation_mm"] == pytest.approx(found.smallest_separation)
+    assert content["rings"][1]["most_cameras"] == 1 and content["rings"][1]["fov_mm"] == [54.0, 36.0]
+    assert content["certificate"]["bound_fraction"] == bound_of(found).bound_fraction
+    one, two = content["rings_alone"]
+    assert one["area_mm2"] == alone(found)[0].area and one["fraction_of_all_rings"] == found.alone[0].fraction
+    assert two == {"refused": "it takes at most 1 of the 3 cameras"}
+
+
+def test_the_table_and_the_picture_are_written(desk, written):
+    out, content = written
+    with (out / "several_rings.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["layout"] for row in rows] == [
+        "ring 1 (30 x 400), equidistant", "ring 1 (30 x 400), equidistant, best phase", "ring 1 (30 x 400), optimised",
+        "ring 2 (16 x 380)", "all rings",
+    ]  # fmt: skip
+    mesh = meshes.load(desk / "scan.stl")
+    for row in rows:
+        if row["refused"]:
+            assert not row["area_mm2"] and "at most 1 of the 3" in row["refused"]
+            continue
+        places = zip(row["rings"].split(), row["ring_angles_deg"].split(), strict=True)
+        cameras = [RINGS[int(k) - 1].cameras([np.radians(float(angle))])[0] for k, angle in places]
+        found = exact.evaluate(mesh, cameras, depth_axis=(0, 0, 1))
+        assert float(row["area_mm2"]) == pytest.approx(found.area, rel=1e-9)
+        assert float(row["rms_error_mm"]) == pytest.approx(found.error_rms, rel=1e-6)
+        centres = np.array([camera.position for camera in cameras])
+        apart = np.linalg.norm(centres[:, None] - centres[None], axis=2) + 1e9 * np.eye(3)
+        assert float(row["smallest_separation_mm"]) == pytest.approx(apart.min())
+        part = float(row["fraction_of_all_rings"]) * content["all_rings_area_mm2"]
+        assert part == pytest.approx(found.area, rel=1e-9)
+    assert matplotlib.image.imread(out / "several_rings.png").shape[1] > 1500
+    shown = trimesh.load(out / "reconstructable.ply")
+    assert isinstance(shown, trimesh.Trimesh) and shown.area == pytest.approx(content["area_mm2"], rel=1e-5)
+
+
+def test_what_is_printed(camring, desk, tmp_path):
+    status, out, err = camring(*asked(desk, "--out", tmp_path / "out"))
+    assert status == 0 and "wrote" in err
+    words = " ".join(out.split())
+    assert "all rings together (8 cameras on each)" in words
+    assert "no layout of ring 2 (16 x 380) alone: it takes at most 1 of the 3 cameras" in words
+    assert "optimised cameras: ring 1 (30 x 400 mm): at" in words and "ring 2 (16 x 380 mm): at" in words
+    status, out, _ = camring(*asked(desk, "--out", tmp_path / "other", "--json", "--target", "0.99999"))
+    assert status == 1 and len(json.loads(out)["layouts"]) == 5
+
+
+TABLES = """
+[[ring]]
+
+[[ring]]
+diameter = 16
+working_distance = 380
+fov = [54, 36]
+most = 1
+"""
+
+
+def test_a_rig_file_takes_several_rings(camring, desk, tmp_path, quick_search):
+    rig = tmp_path / "several.toml"
+    rig.write_text(TABLES + quick_search, encoding="utf-8")
+    common = ("--cameras", 3, "--json")
+    told = camring("optimise", desk / "scan.stl", "--rig", rig, *common, "--out", tmp_path / "one")
+    same = camring(*asked(desk, *common, "--out", tmp_path / "two"))
+    one, two = (json.loads(out) for _, out, _ in (told, same))
+    assert one == two and [ring["most_cameras"] for ring in one["rings"]] == [None, 1]
+    turned = ("--fov", "40x30", "--roll-deg", 10)
+    status, out, _ = camring("optimise", desk / "scan.stl", "--rig", rig, *common, *turned, "--out", tmp_path / "three")
+    rings = json.loads(out)["rings"]
+    assert status == 0 and [ring["fov_mm"] for ring in rings] == [[40.0, 30.0]] * 2
+    assert [ring["roll"] for ring in rings] == pytest.approx([np.radians(10)] * 2)
+    status, _, err = camring("count", desk / "scan.stl", "--rig", rig, "--out", tmp_path / "out")
+    assert status == 2 and "has 2 rings, tables [[ring]], of which camring optimise alone takes several" in err
+
+
+@pytest.mark.parametrize(
+    ("table", "said"),
+    [
+        ("diametre = 3", "there is no key 'diametre' in [[ring]]; did you mean diameter?"),
+        ("most = 1.5", "most in [[ring]] is 1.5; it must be a whole number"),
+        ("diameter = 'wide'", "diameter in [[ring]] is 'wide'; it must be a number"),
+        ("diameter = 0", "ring diameter is 0"),
+        ("most = -1", "most is (None, -1); it must give a whole number"),
+    ],
+)
+def test_tables_that_cannot_be_are_refused(camring, desk, tmp_path, table, said):
+    rig = tmp_path / "several.toml"
+    rig.write_text(f"[[ring]]\n[[ring]]\n{table}\n", encoding="utf-8")
+    status, out, err = camring("optimise", desk / "scan.stl", "--rig", rig, "--out", tmp_path / "out")
+    assert (status, out) == (2, "") and said in " ".join(err.split()) and "Traceback" not in err
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (("--ring", "30by400"), "--ring is '30by400'; it must be diameter x working distance"),
+        (("--ring", "30x400:"), "--ring is '30x400:'; it must be"),
+        (("--ring", "30x400:1.5"), "--ring is '30x400:1.5'; it must be"),
+        (("--ring", "30x400@"), "--ring is '30x400@'; it must be"),
+        (("--ring", "nanx400"), "--ring is 'nanx400'; it must be"),
+        (("--ring", "0x400"), "--ring is '0x400'; it must be"),
+        (("--diameter", 20), "each ring says what --diameter does; leave it out, or the rings"),
+        (("--fixed-deg", "10"), "fixed cameras and forbidden arcs are those of one ring"),
+        (("--report",), "--report shows the cameras of one ring"),
+        (("--roll", "free"), "the rolls of ring 1 are free, which is known for one ring only"),
+        (("--min-angle-deg", 1), "min_angle is known for one ring only"),
+        (("--min-separation", 40), "3 cameras do not fit on these rings: ring 1 1, ring 2 1"),
+    ],
+)
+def test_what_cannot_be_is_refused(camring, desk, tmp_path, options, said):
+    status, out, err = camring(*asked(desk, *options, "--out", tmp_path / "out"))
+    assert (status, out) == (2, "")
+    assert said in " ".join(err.split()) and "Traceback" not in err

@@ -1,0 +1,1 @@
+"""Cameras on several rings, against exhaustive search and cameras built by hand."""
