@@ -45,6 +45,8 @@ class RingsBound:
         Time taken [s].
     ignores_error : bool
         Whether a bound on the predicted error was asked for, which this bound leaves out.
+    ignores_disparity : bool
+        The same of a bound on the disparity gradient.
     """
 
     bound_fraction: float
@@ -60,6 +62,7 @@ class RingsBound:
     method: str
     seconds: float = field(compare=False)
     ignores_error: bool
+    ignores_disparity: bool = False
 
     @property
     def statement(self) -> str:
@@ -73,7 +76,8 @@ class RingsBound:
             words += f"; the best one found there reconstructs {self.fraction:.2%}"
         if not self.proven:
             words += ", and time ran out before more was known" if self.method != "enumeration" else ""
-        return words + "." + " This bound leaves out the one on the error; it may be loose." * self.ignores_error
+        left_out = ["the error"] * self.ignores_error + ["the disparity gradient"] * self.ignores_disparity
+        return words + "." + (f" Bounds on {' and '.join(left_out)} are left out; it may be loose." if left_out else "")
 
 
 def bounded(scorer: RingsScorer, settings: Settings) -> tuple[RingsBound, Places | None]:
@@ -104,6 +108,7 @@ def bounded(scorer: RingsScorer, settings: Settings) -> tuple[RingsBound, Places
         method=found.method,
         seconds=time.perf_counter() - begun,
         ignores_error=demand.max_error is not None,
+        ignores_disparity=demand.max_disparity_gradient is not None,
     )
     return made, places
 

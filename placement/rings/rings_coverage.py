@@ -41,6 +41,11 @@ class Views:
         """Information [1/mm²], seen or not."""
         return np.moveaxis(self.samples.told(self.places), 0, -1)
 
+    @cached_property
+    def heights(self) -> Float[np.ndarray, "N C"]:
+        """As the samples give them [mm]."""
+        return self.samples.heights(self.places).T
+
 
 class RingsCoverage:
     """Which part of the samples layouts on several rings reconstruct, and how accurately.
@@ -59,7 +64,7 @@ class RingsCoverage:
         n_sums = int(samples.site.max()) + 1
         self._weights = (samples.weights * (samples.site == np.arange(n_sums)[:, None])).astype(np.float32)
         self._least_gain = WORTHWHILE * float(samples.weights.sum())
-        self._is_plain = demand.max_error is None and demand.baseline == 0
+        self._is_plain = demand.is_count
 
     @cached_property
     def grid(self) -> Views:
@@ -81,7 +86,7 @@ class RingsCoverage:
 
     def worth(self, places: Places) -> float:
         """Weight of the samples that a layout reconstructs; of several sums the least and a little of their mean."""
-        if self.demand.max_error is not None:
+        if not self.demand.has_derivative:
             return self.measured(places)[0]
         met = Criterion(self.demand.threshold, self._far(places, places)).enough(self.samples.seen(places).T)
         return float(worth_of((self._weights @ met.astype(np.float32)).astype(np.float64)))
@@ -125,7 +130,7 @@ class RingsCoverage:
     def improved_by_pairs(self, places: Places, max_sweeps: int = 2) -> Places:
         """Move two free cameras at once, from any rings to any, then each alone, until nothing is gained.
 
-        With a baseline or a bound on the error only single cameras are moved.
+        With a baseline or a bound on error or disparity only single cameras are moved.
         """
         places = self.improved(places)
         if not self._is_plain:
@@ -188,6 +193,8 @@ class RingsCoverage:
             covered &= Criterion(1, far).enough(views_of)[:, None] | (
                 (False if alone else views_of.astype(np.float32) @ self._far_from(places, views) > 0) & now
             )
+        if self.demand.max_disparity_gradient is not None:
+            covered &= self._matched(places, seen[:, which], which, views, now)
         weights = self._weights[:, which]
         if not errors and self.demand.max_error is None:
             return worth_of((weights @ covered.astype(np.float32)).astype(np.float64)), np.zeros(columns.shape[1])
@@ -198,6 +205,23 @@ class RingsCoverage:
         all_weights = self.samples.weights[which, None] * covered
         total, squares = all_weights.sum(axis=0), (all_weights * np.where(covered, variances, 0.0)).sum(axis=0)
         return worth, np.sqrt(np.divide(squares, total, out=np.full(len(total), np.inf), where=total > 0))
+
+    def _matched(
+        self, places: Places, seen: Bool[np.ndarray, "M W"], which: np.ndarray, views: Views, now: np.ndarray
+    ) -> Bool[np.ndarray, "W C"]:
+        """Whether two cameras match the samples `which`, with one more at each view that sees them `now` (W, C)."""
+        most = np.asarray(self.demand.max_disparity_gradient) / 2
+        matched = np.zeros(now.shape, dtype=bool)
+        if not len(places.ring):
+            return matched
+        own, distances = most * self.samples.heights(places)[:, which], self.space.distances(places, places)
+        for i, j in zip(*np.nonzero(np.triu(self.demand.apart(distances), k=1)), strict=True):
+            matched |= (seen[i] & seen[j] & (distances[i, j] <= own[i] + own[j]))[:, None]
+        if len(views.places.ring):
+            there, distances = most * views.heights[which], self.space.distances(places, views.places)
+            for i, (distance, far) in enumerate(zip(distances, self.demand.apart(distances), strict=True)):
+                matched |= seen[i][:, None] & now & far & (distance <= own[i][:, None] + there)
+        return matched
 
     def _far_from(self, places: Places, views: Views) -> Float[np.ndarray, "M C"]:
         far = self._far(places, views.places)

@@ -11,8 +11,9 @@ from exact.usable.information import of_camera
 from placement.errors import PlacementError
 from placement.rings.ring_places import Places, cameras_of
 from placement.samples.profiles import Visibility
-from placement.samples.sampled_site import samples_in_view
+from placement.samples.sampled_site import heights_of, samples_in_view
 from placement.samples.sampling import SurfaceSamples
+from placement.samples.viewed_samples import around
 from placement.settings import Settings
 from placement.sites import Sites
 
@@ -84,6 +85,18 @@ class RingsSamples:
         points = np.concatenate([samples.points for samples, _ in self.parts]).T.copy()
         cameras = cameras_of(self.rings, places)
         return np.stack([of_camera(points, camera, self.demand.optics) for camera in cameras])
+
+    def heights(self, places: Places) -> Float[np.ndarray, "M N"]:
+        """(M, N) height of the camera at each of the places over the plane of each sample's face, over its slope [mm].
+
+        As of one ring (`placement.samples.sampled_site.heights_of`), for cameras in single places.
+        """
+        by_ring = [
+            np.concatenate([heights_of(samples, ring, self.demand) for samples, _ in self.parts], axis=1)
+            for ring in self.rings
+        ]
+        directions = around(places.angles).T
+        return np.stack([one @ by_ring[k] for k, one in zip(places.ring, directions, strict=True)])
 
     @property
     def along(self) -> Float[np.ndarray, "N 3"]:

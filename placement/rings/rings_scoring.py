@@ -76,7 +76,7 @@ class RingsScorer:
     def polished(self, places: Places, settings: Settings, thorough: bool) -> tuple[Places, int]:
         """Move cameras along their rings to a local optimum of the exact area, and tell how many places were tried."""
         on_rings = _OnRings(self, places.ring)
-        if self.demand.max_error is not None:  # the area has no derivative that is known
+        if not self.demand.has_derivative:
             steps = settings.polish_steps
             angles, n = polish_by_steps(on_rings, on_rings, places.angles, steps, settings.polish_sweeps)
         else:

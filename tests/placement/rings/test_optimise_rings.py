@@ -119,7 +119,7 @@ def test_several_sites_raise_the_worst():
 @pytest.mark.parametrize(
     "asked",
     [{"max_error": 0.12}, {"min_baseline": 14.0}, {"threshold": 3}, {"threshold": 1},
-     {"limits": exact.Limits(max_incidence=1.3), "error": "normal"}],
+     {"max_disparity_gradient": 0.3}, {"limits": exact.Limits(max_incidence=1.3), "error": "normal"}],
 )  # fmt: skip
 def test_what_makes_a_point_count_is_kept(asked):
     mesh = wall()
