@@ -66,11 +66,15 @@ class DisparityLimit:
 
 
 def gradients(surface: Surface, cameras: Sequence[Camera], other: Camera, face: np.ndarray) -> np.ndarray:
-    """(F, M) disparity gradients of `cameras` (M,), each with the `other`, on faces given by index (F,).
+    """(F, M) disparity gradients of `cameras` (M,), each with the `other`, on faces given by index (F,)."""
+    return plane_gradients(surface.normals[face], surface.vertices[surface.faces[face, 0]], cameras, other)
 
-    Infinite where the middle between the two is not above the plane of a face, and for cameras that look at each other.
+
+def plane_gradients(normals: np.ndarray, points: np.ndarray, cameras: Sequence[Camera], other: Camera) -> np.ndarray:
+    """(F, M) the same on planes with unit normals (F, 3) through points (F, 3) [mm].
+
+    Infinite where the middle between the two is not above a plane, and for cameras that look at each other.
     """
-    normal, corner = surface.normals[face], surface.vertices[surface.faces[face, 0]]
     positions, looks = (np.array([getattr(one, name) for one in cameras]) for name in ("position", "rotation"))
     between = positions - other.position
     baseline = np.linalg.norm(between, axis=1)
@@ -78,8 +82,8 @@ def gradients(surface: Surface, cameras: Sequence[Camera], other: Camera, face: 
     view = looks[:, 2] + other.rotation[2]
     view -= np.einsum("mi,mi->m", view, along)[:, None] * along
     length = np.linalg.norm(view, axis=1)
-    towards = normal @ (view / np.where(length > 0, length, 1.0)[:, None]).T
-    height = normal @ ((positions + other.position) / 2).T - np.einsum("fi,fi->f", normal, corner)[:, None]
+    towards = normals @ (view / np.where(length > 0, length, 1.0)[:, None]).T
+    height = normals @ ((positions + other.position) / 2).T - np.einsum("fi,fi->f", normals, points)[:, None]
     slope = np.sqrt(np.maximum(1.0 - towards**2, 0.0))
     steep = np.divide(baseline * slope, height, out=np.full(height.shape, np.inf), where=height > 0)
     return np.where(length > 0, steep, np.inf)

@@ -1,7 +1,7 @@
 """Moves on samples of cameras on several rings: one at a time to any place of any ring, and two at once."""
 
 import itertools
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -10,8 +10,9 @@ from jaxtyping import Bool, Float
 
 import exact
 from exact.demand import Criterion
+from exact.usable.disparity import plane_gradients
 from exact.usable.information import variance
-from placement.rings.ring_places import Places, RingsSpace
+from placement.rings.ring_places import Places, RingsSpace, cameras_of
 from placement.rings.rings_samples import RingsSamples
 from placement.samples.viewed_samples import worth_of
 
@@ -40,11 +41,6 @@ class Views:
     def told(self) -> Float[np.ndarray, "6 N C"]:
         """Information [1/mm²], seen or not."""
         return np.moveaxis(self.samples.told(self.places), 0, -1)
-
-    @cached_property
-    def heights(self) -> Float[np.ndarray, "N C"]:
-        """As the samples give them [mm]."""
-        return self.samples.heights(self.places).T
 
 
 class RingsCoverage:
@@ -210,18 +206,27 @@ class RingsCoverage:
         self, places: Places, seen: Bool[np.ndarray, "M W"], which: np.ndarray, views: Views, now: np.ndarray
     ) -> Bool[np.ndarray, "W C"]:
         """Whether two cameras match the samples `which`, with one more at each view that sees them `now` (W, C)."""
-        most = np.asarray(self.demand.max_disparity_gradient) / 2
         matched = np.zeros(now.shape, dtype=bool)
-        if not len(places.ring):
-            return matched
-        own, distances = most * self.samples.heights(places)[:, which], self.space.distances(places, places)
-        for i, j in zip(*np.nonzero(np.triu(self.demand.apart(distances), k=1)), strict=True):
-            matched |= (seen[i] & seen[j] & (distances[i, j] <= own[i] + own[j]))[:, None]
-        if len(views.places.ring):
-            there, distances = most * views.heights[which], self.space.distances(places, views.places)
-            for i, (distance, far) in enumerate(zip(distances, self.demand.apart(distances), strict=True)):
-                matched |= seen[i][:, None] & now & far & (distance <= own[i][:, None] + there)
+        cameras, others = (cameras_of(self.space.rings, one) for one in (places, views.places))
+        points, normals = self.samples.points[which], self.samples.normals[which]
+        for i, camera in enumerate(cameras):
+            known = seen[:i].T & seen[i][:, None]
+            matched |= (known & self._alike(points, normals, cameras[:i], camera)).any(axis=1)[:, None]
+            if others:
+                matched |= now & seen[i][:, None] & self._alike(points, normals, others, camera)
         return matched
+
+    def _alike(
+        self, points: np.ndarray, normals: np.ndarray, cameras: Sequence[exact.Camera], other: exact.Camera
+    ) -> Bool[np.ndarray, "W C"]:
+        """Whether each camera is a baseline apart from the other, and how unlike a point's face looks is bounded."""
+        if not cameras:
+            return np.zeros((len(points), 0), dtype=bool)
+        positions = np.array([one.position for one in cameras])
+        far = self.demand.apart(np.linalg.norm(positions - other.position, axis=1))
+        return far & (
+            plane_gradients(normals, points, cameras, other) <= np.asarray(self.demand.max_disparity_gradient)
+        )
 
     def _far_from(self, places: Places, views: Views) -> Float[np.ndarray, "M C"]:
         far = self._far(places, views.places)

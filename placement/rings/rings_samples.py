@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -11,9 +12,8 @@ from exact.usable.information import of_camera
 from placement.errors import PlacementError
 from placement.rings.ring_places import Places, cameras_of
 from placement.samples.profiles import Visibility
-from placement.samples.sampled_site import heights_of, samples_in_view
+from placement.samples.sampled_site import samples_in_view
 from placement.samples.sampling import SurfaceSamples
-from placement.samples.viewed_samples import around
 from placement.settings import Settings
 from placement.sites import Sites
 
@@ -82,30 +82,26 @@ class RingsSamples:
 
     def told(self, places: Places) -> Float[np.ndarray, "M 6 N"]:
         """(M, 6, N) information [1/mm²] that the camera at each of the places gives about each sample it may see."""
-        points = np.concatenate([samples.points for samples, _ in self.parts]).T.copy()
-        cameras = cameras_of(self.rings, places)
+        points, cameras = self.points.T.copy(), cameras_of(self.rings, places)
         return np.stack([of_camera(points, camera, self.demand.optics) for camera in cameras])
 
-    def heights(self, places: Places) -> Float[np.ndarray, "M N"]:
-        """(M, N) height of the camera at each of the places over the plane of each sample's face, over its slope [mm].
+    @cached_property
+    def points(self) -> Float[np.ndarray, "N 3"]:
+        """(N, 3) [mm]."""
+        return np.concatenate([samples.points for samples, _ in self.parts])
 
-        As of one ring (`placement.samples.sampled_site.heights_of`), for cameras in single places.
-        """
-        by_ring = [
-            np.concatenate([heights_of(samples, ring, self.demand) for samples, _ in self.parts], axis=1)
-            for ring in self.rings
-        ]
-        directions = around(places.angles).T
-        return np.stack([one @ by_ring[k] for k, one in zip(places.ring, directions, strict=True)])
+    @cached_property
+    def normals(self) -> Float[np.ndarray, "N 3"]:
+        """(N, 3) unit normals."""
+        return np.concatenate([samples.normals for samples, _ in self.parts])
 
     @property
     def along(self) -> Float[np.ndarray, "N 3"]:
         """(N, 3) unit vectors along which errors are measured."""
-        normals = np.concatenate([samples.normals for samples, _ in self.parts])
         if self.demand.error == "normal":
-            return normals
+            return self.normals
         axis = np.asarray(self.demand.depth_axis, dtype=np.float64)
-        return np.broadcast_to(axis / np.linalg.norm(axis), normals.shape)
+        return np.broadcast_to(axis / np.linalg.norm(axis), self.normals.shape)
 
 
 def _seen(
