@@ -57,9 +57,12 @@ class OneRing:
     placement : Placement or None
         As `placement.optimise` finds it; its own fractions are of the maximum of that ring alone. None if there is
         none.
-    fraction, equidistant_fraction, best_equidistant_fraction : float or None
-        Of the layout proposed, and of equidistant ones at phase 0 and at the best phase tried: exact areas over the
-        maximum of all rings together.
+    fraction : float or None
+        Exact area of the layout proposed over the maximum of all rings together.
+    equidistant_fraction : float or None
+        The same of the equidistant layout at phase 0.
+    best_equidistant_fraction : float or None
+        The same of the best equidistant layout tried.
     refused : str
         Why there is none; empty if there is one.
     """

@@ -77,9 +77,9 @@ def test_a_further_field_works_in_every_search(wall, wider):
     kept = placement.robustness(problem, found.angles, n_mountings=1)
     assert kept.fraction == pytest.approx(found.fraction, rel=1e-12)
     rings = (RING, exact.Ring(20.0))
-    one, other = (placement.optimise_rings(wall, rings, 3, settings=QUICK, **asked) for asked in (more, less))
+    options = {"settings": QUICK, "certify": False}
+    one, other = (placement.optimise_rings(wall, rings, 3, **options, **asked) for asked in (more, less))
     assert one.angles == other.angles and one.area == other.area and one.demand.baseline == 29.0
-    assert one.certificate.bound_fraction == other.certificate.bound_fraction
 
 
 @pytest.mark.parametrize(
