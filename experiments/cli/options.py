@@ -12,6 +12,7 @@ from typing import Annotated, Any
 
 import typer
 
+from experiments.files.errors import InputError
 from experiments.request.options import ON_THE_COMMAND_LINE, PARTS, Option, keys
 
 # Names for the shell to complete; here once more, since where they come from imports what `--help` must not wait for.
@@ -67,12 +68,28 @@ Force = Annotated[bool, typer.Option("--force", help="replace results that are a
 
 Given = dict[str, Any]
 # Settings that several subcommands take, by the names of their keys, and of classes for all their fields.
-RING = ("fov", "diameter", "working_distance", "focus", "axis", "zero_towards", "roll", "roll_deg", "place")
+RING_ITSELF = ("fov", "diameter", "working_distance", "focus", "axis", "zero_towards", "roll", "roll_deg")
+RING = (*RING_ITSELF, "place")
 MESH = ("exclude", "repair", "two_sided", "scale", "obstacle", "light")
 REQUEST = (
     "Demand", "Constraints", *RING, "exclude", "objective", "site_weights", "falloff_mm", "jitter", "tilt_deg",
     "shift_mm", "seed", "certify", "certify_on", "repair", "two_sided", "scale", "obstacle", "light",
 )  # fmt: skip
+
+
+def refuse_ring_beside_layout(options: Given, rig_path: Path | None = None) -> None:
+    """Refuse another ring than that of a layout.
+
+    Raises
+    ------
+    InputError
+    """
+    if rig_path is not None or any(options[name] is not None for name in RING_ITSELF):
+        flags = ["--rig", *(keys()[name].flag for name in RING_ITSELF)]
+        raise InputError(
+            f"a layout brings its own ring; leave {', '.join(flags[:-1])} and {flags[-1]} out; --place auto moves it "
+            "over the mesh"
+        )
 
 
 class Asking:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from platformdirs import user_state_path
 
 from experiments.cli.extras import refuse_without
-from experiments.cli.options import MESH
+from experiments.cli.options import MESH, RING_ITSELF
 from experiments.files.errors import InputError
 from experiments.files.whole import output_folder
 from experiments.request import layout_file
@@ -23,7 +23,6 @@ if TYPE_CHECKING:  # at run time they would bring the extra along
     from experiments.design.session import Reader
 
 SESSION = "session.json"
-RING_OPTIONS = ("fov", "diameter", "working_distance", "focus", "axis", "zero_towards", "roll", "roll_deg")
 
 
 def run(
@@ -107,7 +106,7 @@ def _first(asked: Request, made: layout_file.LayoutFile | None, options: dict[st
 def _refuse_beside_layout(rig_path: Path | None, options: dict[str, Any]) -> None:
     """Refuse what a layout brings along itself."""
     of_constraints = [name for name, one in keys("Constraints").items() if one.classes == ("Constraints",)]
-    flags = [key.flag for name, key in keys().items() if name in ("count", *RING_OPTIONS, *of_constraints)
+    flags = [key.flag for name, key in keys().items() if name in ("count", *RING_ITSELF, *of_constraints)
              and options.get(name) is not None]  # fmt: skip
     flags += ["--rig"] * (rig_path is not None)
     if flags:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 import exact
+from experiments.cli.options import refuse_ring_beside_layout
 from experiments.cli.results_folder import results_folder
 from experiments.files.errors import InputError
 from experiments.files.whole import image_names, output_folder
@@ -37,7 +38,6 @@ UNSEEN = 1e-12
 ALL_BACK = 0.5
 # Cameras nearer to each other than this [mm] are in one place: less than any mount moves.
 SAME_PLACE = 1e-3
-RING_OPTIONS = ("fov", "diameter", "working_distance", "focus", "axis", "zero_towards", "roll", "roll_deg")
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,11 +73,8 @@ def run(
             "give the cameras in exactly one way: --cameras N, --angles-deg 0,90,180, --layout FILE, or --rig FILE "
             "with their number"
         )
-    if layout is not None and (rig_path is not None or any(options[name] is not None for name in RING_OPTIONS)):
-        raise InputError(
-            "a layout brings its own ring; leave --rig, --fov, --diameter, --working-distance, --focus, --axis, "
-            "--zero-towards, --roll and --roll-deg out; --place auto moves it over the mesh"
-        )
+    if layout is not None:
+        refuse_ring_beside_layout(options, rig_path)
     # One mesh as it is: what a rig file says of several and of poses is for layouts that serve them all.
     made = None if layout is None else layout_file.read(layout)
     given = options if made is None else options | made.loaded(mesh, options)

@@ -9,6 +9,7 @@ import numpy as np
 
 import exact
 from experiments.cli.extras import EXTRAS, refuse_without
+from experiments.cli.options import refuse_ring_beside_layout
 from experiments.cli.results_folder import results_folder
 from experiments.files.errors import InputError
 from experiments.files.table import write_table
@@ -26,7 +27,6 @@ if TYPE_CHECKING:  # at run time they would bring the extra along
 DEPTHS, CLOUD = OF_A_LAYOUT = ("depths.png", "reconstruction.ply")
 # Pixels along the longer side of a quick image.
 QUICK = 900
-RING_OPTIONS = ("fov", "diameter", "working_distance", "focus", "axis", "zero_towards")
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,15 +100,13 @@ def _asked(
         raise InputError(
             "give the cameras in exactly one way: --layout FILE, --cameras N, or --rig FILE with their number"
         )
-    if layout is not None and any(options[name] is not None for name in RING_OPTIONS):
-        raise InputError(
-            "a layout brings its own ring; leave --fov, --diameter, --working-distance, --focus, --axis and "
-            "--zero-towards out; --place auto moves it over the mesh"
-        )
+    if layout is not None:
+        refuse_ring_beside_layout(options)
     if quick and options["resolution"] is not None:
         raise InputError(f"--quick makes images of {QUICK} pixels, and --pixels says how many; leave one of them out")
-    rig = replace(rig_file.rig(rig_path, **options), jitter=1, site_weights=None)
     made = None if layout is None else layout_file.read(layout)
+    given = options if made is None else options | made.loaded(mesh, options)
+    rig = replace(rig_file.rig(rig_path, **given), jitter=1, site_weights=None)
     asked = request([mesh], depth, detail, rig, None if made is None else made.ring)
     if made is None:
         angles, demand = asked.ring.equidistant(asked.rig.n_cameras), asked.demand

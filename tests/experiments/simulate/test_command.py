@@ -159,6 +159,7 @@ REFUSED = {
     ("--cameras", "2", "--layout", "layout.json"): "give the cameras in exactly one way",
     (): "give the cameras in exactly one way",
     ("--layout", "layout.json", "--fov", "30x30"): "a layout brings its own ring",
+    ("--layout", "layout.json", "--roll", "tangential"): "a layout brings its own ring",
     ("--layout", "layout.json", "--quick", "--pixels", "90x60"): "--quick makes images of 900 pixels",
     ("--cameras", "2", "--pixels", "300x300"): "300 x 300 pixels over 36 x 24 mm are not square; give --pixels 300x200",
     ("--cameras", "1"): "1 camera gives no pair of images to match; at least 2 are needed",
