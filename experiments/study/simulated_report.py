@@ -91,13 +91,13 @@ def page(rows: Sequence[SimulatedRow], limits: Sequence[LimitRow]) -> str:
             [
                 [
                     f"{row.site}, {row.depth_mm} mm", str(row.n_cameras), row.kind, str(row.width_px),
-                    *(_cell(row.predicted(way)) for way in ("no limits", "density", "gradient and error")),
+                    *(_cell(row.predicted(way)) for way in ("no limits", "density", "gradient")),
                     _cell(row.within_01_mm2), _cell(row.within_03_mm2), _cell(row.match_noise_px, 3),
                     _cell(row.facing_measured_mm, 4), _cell(row.facing_predicted_mm, 4),
                 ]
                 for row in rows
             ],
-            ["site", "cameras", "layout", "px", "predicted [mm²]", "with density", "gradient and error",
+            ["site", "cameras", "layout", "px", "predicted [mm²]", "with density", "gradient",
              "within 0.1 mm [mm²]", "within 0.3 mm", "noise [px]", "facing σ_n measured [mm]", "predicted"],
         ),
     ]  # fmt: skip
@@ -137,11 +137,11 @@ def _write_figure(path: Path, rows: Sequence[SimulatedRow], limits: Sequence[Lim
         for kind, colour in zip(KINDS, (GREY, ORANGE, BLUE, GREEN), strict=True):
             chosen = [row for row in of if (row.site, row.depth_mm, row.kind) == (site, depth, kind)]
             label = f"{site}, {depth} mm" if kind == "proposed" else None
-            both = [(row.predicted("gradient and error"), row.within_03_mm2) for row in chosen]
+            both = [(row.predicted("gradient"), row.within_03_mm2) for row in chosen]
             left.plot(*zip(*both, strict=True), mark, color=colour, ms=5, label=label)
     low, high = left.get_xlim()
     left.plot([low, high], [low, high], ":", color=GREY)
-    left.set(xlabel="predicted, with gradient and error [mm²]", ylabel=f"reconstructed {TOLERANCE_WORDS} [mm²]",
+    left.set(xlabel="predicted, with the gradient [mm²]", ylabel=f"reconstructed {TOLERANCE_WORDS} [mm²]",
              title="grey: equidistant, orange: most area,\nblue: proposed, green: matched")  # fmt: skip
     left.legend(frameon=False, fontsize=8)
     names = (("incidence", "greatest incidence [°]"), ("density", "least density [px/mm²]"),
