@@ -34,9 +34,9 @@ class Demand:
     min_baseline : float
         Least distance between some two of the cameras that see a point [mm].
     max_disparity_gradient : float, optional
-        Greatest disparity gradient of some two of them that are as far apart as that: by how many pixels a match shifts
-        from one pixel of an image to the next. Semi-global matching bears some 0.5; steep walls then take cameras that
-        are close together.
+        Greatest disparity gradient of some two of them that are as far apart as that: by how much a match shifts from
+        one pixel of an image to the next [pixels]. Semi-global matching bears some 0.5; steep walls then take cameras
+        that are close together.
     max_error : float, optional
         Greatest error with which a point may be reconstructed from all cameras that see it: one standard deviation
         [mm].
