@@ -217,7 +217,7 @@ def keys(*classes: str) -> dict[str, Option]:
     Examples
     --------
     >>> [one.name for one in keys("Demand").values() if "Demand" in one.classes][:2]
-    ['threshold', 'max_error']
+    ['threshold', 'max_disparity_gradient']
     >>> keys()["min_baseline"].classes
     ('Constraints', 'Demand')
     """

@@ -66,7 +66,7 @@ class Polygons:
         MeshError
         """
         own = self.corners[len(self.corners) - self.sizes[-1] :]
-        corner_is_last = corner_is_last and len(own) > 0
+        corner_is_last = corner_is_last and len(own) > 1
         # Of the number of a vertex one digit more would have made another, and both its edges are no one else's.
         may_be_longer = corner_is_last and 10 * (own[-1] + self.first) < len(self.vertices) + self.first
         if len(np.unique(own)) < min(3, len(own)) or (may_be_longer and not self._has_neighbour(own)):

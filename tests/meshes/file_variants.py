@@ -178,6 +178,7 @@ def off_variants() -> None:
     add("OFF, cut in the faces", ".off", text[: text.index("4 0")], "announces 12 vertices and 8 faces.*cut short")
     add("OFF, cut after a face of no corners", ".off", "OFF\n4 2 0\n0 0 0\n5 0 0\n0 5 0\n5 5 0\n0\n4 0 1 5 0\n3 0",
         "line|refers to vertices")  # fmt: skip
+    add("OFF, cut after a face of one corner", ".off", "OFF\n3 1 0\n0 0 0\n5 0 0\n0 5 0\n1 0", "no faces")
     add("OFF, word", ".off", text.replace("20 0 0", "20 0 x"), "a vertex needs three numbers")
     add("OFF, binary", ".off", b"OFF BINARY\n" + bytes(99), "that is binary")
     add("OFF, four dimensions", ".off", text.replace("OFF", "4OFF"), "other than three dimensions")
