@@ -250,7 +250,10 @@ def test_the_standard_error_is_the_scatter_over_seeds_also_where_most_samples_ar
     plate = trimesh.creation.box((40, 40, 8)).apply_translation((0, 0, -4))
     hole = trimesh.creation.box((5, 5, 16)).apply_translation((3, 2, 0))
     mesh = plate.difference(hole, engine="manifold")
-    settings = Settings(n_samples=600, n_angles=36, bisections=2, certificate_step=float(np.radians(45)))
+    settings = Settings(
+        n_samples=600, n_angles=36, bisections=2, certificate_step=float(np.radians(45)), certificate_seconds=0.5,
+        certify_on="samples", ring_cameras=24,
+    )  # fmt: skip
     found = [
         placement.certify(mesh, RING, 3, settings=settings, seed=seed, layout=[0.3, 2.0, 4.1]) for seed in range(12)
     ]
