@@ -66,8 +66,7 @@ def gradient(mesh: "trimesh.Trimesh | Scene", cameras: Sequence[Camera], *, work
     mesh, cameras, workers
         As for `evaluate`.
     **asked
-        What counts, and on what, as for `evaluate`; without `max_error` and
-        `max_disparity_gradient`.
+        What counts, and on what, as for `evaluate`; without `max_error` and `max_disparity_gradient`.
 
     Returns
     -------

@@ -11,7 +11,6 @@ import exact
 import placement
 from experiments.exports import coverage_mesh, formats
 from experiments.exports.cameras import named_on_rings
-from experiments.figures.several_rings import write_several_rings
 from experiments.files.errors import InputError
 from experiments.files.ring_maximum_cache import RememberedAreas
 from experiments.files.table import write_table
@@ -97,6 +96,8 @@ def optimise_rings(
     as_json: bool,
 ) -> float:  # fmt: skip
     """Compute, print and write into the folder `out`, which is there; the fraction of what all rings see."""
+    from experiments.figures.several_rings import write_several_rings  # drawing is heavy, and one ring needs none of it
+
     settings = asked.rig.settings
     if settings.certificate_step == placement.Settings().certificate_step:
         settings = replace(settings, certificate_step=STEP)

@@ -59,9 +59,8 @@ class SimulatedRow:
 class LimitRow:
     """One limit over all layouts of a resolution that it may be chosen on: areas sampled [mm²].
 
-    `met_mm2` meets it, and of that `both_mm2` was reconstructed.
-
-    `kind` is "incidence" [degrees], "density" [px/mm²] or "gradient", perhaps "and error".
+    `met_mm2` meets it, and of that `both_mm2` was reconstructed. `kind` is "incidence" [degrees], "density" [px/mm²] or
+    "gradient", perhaps "and error".
     """
 
     width_px: int

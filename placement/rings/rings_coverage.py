@@ -60,7 +60,6 @@ class RingsCoverage:
         n_sums = int(samples.site.max()) + 1
         self._weights = (samples.weights * (samples.site == np.arange(n_sums)[:, None])).astype(np.float32)
         self._least_gain = WORTHWHILE * float(samples.weights.sum())
-        self._is_plain = demand.is_count
 
     @cached_property
     def grid(self) -> Views:
@@ -129,7 +128,7 @@ class RingsCoverage:
         With a baseline or a bound on error or disparity only single cameras are moved.
         """
         places = self.improved(places)
-        if not self._is_plain:
+        if not self.demand.is_count:
             return places
         grid = self._pair_grid
         n_rings, ring = len(self.space.rings), grid.places.ring
@@ -175,7 +174,7 @@ class RingsCoverage:
         alone = len(views.places.ring) == 0
         columns = np.zeros((len(self.samples.weights), 1), dtype=np.float32) if alone else views.seen
         count, threshold = seen.sum(axis=0), self.demand.threshold
-        if self._is_plain and not errors:
+        if self.demand.is_count and not errors:
             base = self._weights @ (count >= threshold).astype(np.float32)
             waiting = np.flatnonzero(count == threshold - 1)
             gained = np.einsum("sn,nc->sc", self._weights[:, waiting], columns[waiting])

@@ -117,7 +117,7 @@ class ViewedSamples:
         alone = self._matched_with_one_more(theta, seen[:, waiting], newly, grid, heights)
         lost, left = (~alone).astype(np.float32), (newly & ~alone).astype(np.float32)
         own = (np.asarray(self.demand.max_disparity_gradient) / 2 * (heights.T @ around(grid))).astype(np.float32)
-        chords = self.ring.diameter * np.abs(np.sin((grid[:, None] - grid[None, :]) / 2))
+        chords = chords_of(grid, grid, self.ring)
         far, sums = self.demand.apart(chords), []
         for site, already in enumerate(self.profiles.sums(done)):
             of_site = np.flatnonzero(self.profiles.site[waiting] == site)
@@ -207,14 +207,14 @@ class ViewedSamples:
         heights: Float[np.ndarray, "3 W"],
     ) -> Bool[np.ndarray, "W G"]:
         """Whether two cameras match W points that see them, with one more at each of `grid`."""
-        chords = self.ring.diameter * np.abs(np.sin((theta[:, None] - grid[None, :]) / 2))
+        chords = chords_of(theta, grid, self.ring)
         far, most = self.demand.apart(chords), np.asarray(self.demand.max_disparity_gradient) / 2
         before = samples_matched(seen, theta, self.demand, self.ring, heights)
         # Single precision: what it decides, exact areas decide again.
-        won = np.repeat(before[:, None], len(grid), axis=1)
+        won, directions = np.repeat(before[:, None], len(grid), axis=1), around(grid)
         for camera, (chord, is_far) in enumerate(zip(chords, far, strict=True)):
             which = np.flatnonzero(seen[camera] & ~before)
-            there = (most * (heights[:, which].T @ around(grid))).astype(np.float32)
+            there = (most * (heights[:, which].T @ directions)).astype(np.float32)
             own = (most * (around(theta[camera : camera + 1])[:, 0] @ heights[:, which])).astype(np.float32)
             matched = chord.astype(np.float32) - there <= own[:, None]
             won[which] |= matched & now_seen[which] & is_far
@@ -295,7 +295,14 @@ def far_apart(
     first: Float[np.ndarray, " A"], second: Float[np.ndarray, " B"], demand: exact.Demand, ring: exact.Ring
 ) -> Bool[np.ndarray, "A B"]:
     """(A, B) bool: ring angles [rad] that are far enough apart."""
-    return demand.apart(ring.diameter * np.abs(np.sin((first[:, None] - second[None, :]) / 2)))
+    return demand.apart(chords_of(first, second, ring))
+
+
+def chords_of(
+    first: Float[np.ndarray, " A"], second: Float[np.ndarray, " B"], ring: exact.Ring
+) -> Float[np.ndarray, "A B"]:
+    """(A, B) distances [mm] between cameras at ring angles [rad]."""
+    return ring.diameter * np.abs(np.sin((first[:, None] - second[None, :]) / 2))
 
 
 def variances_of(
