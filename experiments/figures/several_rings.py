@@ -13,6 +13,7 @@ from experiments.figures.coverage import add_legend, add_surfaces
 from experiments.figures.palette import BLUE, ORANGE
 from experiments.figures.text import figure_text
 from experiments.files.whole import written_whole
+from experiments.tables.several_rings import LayoutOnRings
 
 COLOURS = (BLUE, ORANGE, "#2a9d3f", "#b5179e")
 
@@ -22,7 +23,7 @@ def write_several_rings(
     name: str,
     scene: exact.Scene,
     rings: Sequence[exact.Ring],
-    layouts: Sequence[tuple[str, Sequence[int], Sequence[float]]],
+    layouts: Sequence[LayoutOnRings],
     demand: exact.Demand,
 ) -> None:
     """Draw layouts side by side to a PNG file, the last of them from above too.
@@ -34,18 +35,14 @@ def write_several_rings(
         Of the site.
     scene : exact.Scene
     rings : (K,) sequence of exact.Ring
-    layouts : sequence of (str, (M,) sequence of int, (M,) sequence of float)
-        A title, which ring each camera sits on, and its ring angle [rad].
+    layouts : sequence of LayoutOnRings
     demand : exact.Demand
     """
     figure = Figure(figsize=(5.0 * len(layouts) + 5.2, 6.7), dpi=150, layout="constrained")
     axes = figure.subplots(1, len(layouts) + 1, width_ratios=[5.0] * len(layouts) + [4.6])
-    titled = [
-        (title, [rings[k].cameras([angle])[0] for k, angle in zip(ring_of, angles, strict=True)])
-        for title, ring_of, angles in layouts
-    ]
+    titled = [(f"{one.name}\n{100 * one.fraction:.2f} % of what all rings see", one.cameras(rings)) for one in layouts]
     handles = add_surfaces(axes[:-1], scene, rings[0], titled, demand)
-    _from_above(axes[-1], rings, *layouts[-1][1:])
+    _from_above(axes[-1], rings, layouts[-1].ring_of, layouts[-1].angles)
     figure.suptitle(figure_text(f"{name}: one ring alone, and all rings together"), fontsize=14)
     add_legend(figure, handles, demand)
     with written_whole(path) as temporary:

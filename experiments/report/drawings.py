@@ -9,6 +9,8 @@ from matplotlib.ticker import MaxNLocator
 import exact
 
 BLUE, GREY, ORANGE = "#1f5fa8", "#6f6f6f", "#c65b1c"
+# Of several rings; the second has dashes, the third dots, for who cannot tell the colours apart.
+RING_COLOURS, RING_DASHES = (BLUE, ORANGE, "#1a7f5a", "#8a3a8f"), ("", "7 4", "2 4", "9 3 2 3")
 # The ring is drawn with this radius, whatever its diameter [units of the drawing].
 RADIUS = 100.0
 # Of more cameras, separations and angles would be written over each other.
@@ -80,6 +82,50 @@ def ring_drawing(
         "forbidden": [_arc(start, end) for start, end in forbidden],
         "has_fixed": bool(len(fixed)),
         "widths": [] if rolls is None and ring.roll == "radial" else _widths(ring, theta, rolls),
+    }
+
+
+def rings_drawing(rings: Sequence[exact.Ring], ring_of: Sequence[int], angles: Sequence[float]) -> dict:
+    """Several rings to scale as they lie across the axis of the first, and their cameras; angles in [rad].
+
+    Examples
+    --------
+    >>> drawn = rings_drawing((exact.Ring(), exact.Ring(diameter=15.0)), [0, 1], [0.0, np.pi / 2])
+    >>> [camera["at"] for camera in drawn["cameras"]], [ring["words"] for ring in drawn["rings"]]
+    ([(100.0, 0.0), (0.0, -50.0)], ['ring 1: 30 mm wide at 400 mm', 'ring 2: 15 mm wide at 400 mm'])
+    """
+    frame, focus = rings[0].frame, np.array(rings[0].focus)
+    around = np.linspace(0, 2 * np.pi, 73)
+    across = [((ring.positions(around) - focus) @ frame)[:, :2] for ring in rings]
+    scale = RADIUS / max(float(np.abs(line).max()) for line in across)
+
+    def placed(points: np.ndarray) -> list[tuple[float, float]]:
+        return [(round(scale * x, 2), round(-scale * y, 2) + 0.0) for x, y in points.tolist()]
+
+    cameras = []
+    for number, (k, angle) in enumerate(zip(ring_of, angles, strict=True), start=1):
+        at = ((rings[k].positions([angle]) - focus) @ frame)[:, :2]
+        outwards = at[0] / max(float(np.linalg.norm(at)), 1e-12)
+        cameras.append(
+            {
+                "number": number,
+                "at": placed(at)[0],
+                "label_at": placed(at + outwards * 24 / scale)[0],
+                "degrees": f"{np.degrees(angle):.1f}°" if len(angles) <= MOST_LABELS else "",
+                "colour": RING_COLOURS[k % len(RING_COLOURS)],
+            }
+        )
+    return {
+        "cameras": cameras,
+        "rings": [
+            {
+                "line": " ".join(f"{x},{y}" for x, y in placed(line)),
+                "colour": RING_COLOURS[k % len(RING_COLOURS)],
+                "dash": RING_DASHES[k % len(RING_DASHES)],
+                "words": f"ring {k + 1}: {ring.diameter:g} mm wide at {ring.working_distance:g} mm",
+            }
+            for k, (ring, line) in enumerate(zip(rings, across, strict=True))
+        ],
     }
 
 

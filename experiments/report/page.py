@@ -6,16 +6,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jinja2 import Environment, PackageLoader, StrictUndefined
-from plotly.offline import get_plotlyjs
 
 import exact
 import placement
 from experiments.files.errors import InputError
 from experiments.files.whole import written_whole
-from experiments.report import request_text as report_words
 from experiments.report.drawings import count_drawing, histogram_drawing, ring_drawing, tradeoff_drawing
-from experiments.report.scene import DrawnSurface, drawn_surface, packed
+from experiments.report.rendered import rendered
+from experiments.report.request_text import Made
+from experiments.report.scene import DrawnSurface, drawn_surface
 from experiments.report.simulated import simulated
 from experiments.request.layout_file import LayoutFile, constraints_of
 from experiments.tables.layouts import SHARES
@@ -71,62 +70,28 @@ def write(path: Path, made: LayoutFile, shown: exact.Scene) -> None:
 def page(made: LayoutFile, shown: exact.Scene, folder: Path) -> str:
     """The report as HTML, with the tables found in a folder; whatever comes from files is shown as text."""
     content = made.content
-    single = len(content["meshes"]) == 1 and content["poses"] is None
     ring_area = content["meshes"][0]["areas_of_poses_mm2"][0]["ring_maximum"] if content["falloff_mm"] is None else None
     drawn = drawn_surface(shown, made.ring, made.angles, made.demand, ring_area, made.rolls)
     layouts, angles = _layouts(made, shown)
     limits = content["constraints"]
-    # Everything that is put into the page is escaped; what is packed is base64, which has nothing to escape.
-    environment = Environment(
-        loader=PackageLoader("experiments.report"), autoescape=True, undefined=StrictUndefined, trim_blocks=True,
-        lstrip_blocks=True,
-    )  # fmt: skip
-    return environment.get_template("report.html").render(
-        name=", ".join(about["name"] for about in content["meshes"]),
-        shown=content["meshes"][0]["name"],
-        is_single=single,
-        n_cameras=content["n_cameras"],
+    return rendered(
+        "report.html",
+        Made(content, (made.ring,), made.demand),
+        drawn,
         fraction=content["fractions_of_ring_maximum"]["optimised"],
         gain=content["fractions_of_ring_maximum"]["optimised"] - content["fractions_of_ring_maximum"]["equidistant"],
-        asked=report_words.asked(made),
         layouts=layouts,
         ring=ring_drawing(made.ring, made.angles, limits["fixed"], limits["forbidden"], made.rolls),
         cameras=_cameras(made, drawn),
         is_rolled=made.rolls is not None or made.ring.roll != "radial",
-        scene={
-            "n_vertices": len(drawn.vertices),
-            "n_triangles": len(drawn.triangles),
-            "origin": drawn.origin.tolist(),
-            "step": drawn.step,
-            "frame": None if drawn.frame is None else drawn.frame.tolist(),
-            "colourings": [
-                {
-                    "name": one.name,
-                    "caption": one.caption,
-                    "fields": np.round(drawn.fields[one.cameras], 3).tolist(),
-                    "shades": [
-                        {"words": s.label + ("" if s.area is None else f": {s.area:.2f} mm²"), "colour": s.colour}
-                        for s in one.shades
-                    ],
-                }
-                for one in drawn.colourings
-            ],
-        },
-        surface=drawn.packed(),
-        plotly=packed(get_plotlyjs().encode("utf-8")),
         histogram=histogram_drawing(angles),
         robustness=_robustness(content),
         certificate=content["certificate"],
         count=_count(made, folder / "count.csv"),
         tradeoff=_tradeoff(made, folder / "tradeoff.csv"),
         simulated=simulated(made, folder),
-        command=report_words.command(made),
-        rig=report_words.rig(made),
-        hashes=[(about["name"], about["sha256"]) for about in content["meshes"]],
         n_ring=content["settings"]["ring_cameras"],
         ring_area=content["areas_mm2"]["ring_maximum"],
-        versions=content["versions"],
-        seed=content["seed"],
     )
 
 

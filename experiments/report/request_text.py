@@ -2,14 +2,14 @@
 
 import shlex
 from dataclasses import fields, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 import exact
 import placement
-from experiments.request.layout_file import LayoutFile
 from experiments.request.options import PARTS, keys, sections
+from experiments.request.rig import MOST
 from experiments.request.rig_template import toml_value
 from meshes import EXPECTED
 
@@ -17,16 +17,20 @@ from meshes import EXPECTED
 DIGITS = 9
 
 
-def asked(made: LayoutFile) -> list[tuple[str, str]]:
-    """What was asked, as rows of a table: what, and the answer in words.
+class Made(NamedTuple):
+    """A layout, on one ring or several, with what it was made for."""
 
-    Parameters
-    ----------
-    made : LayoutFile
-        With all that `camring optimise` or `camring count` writes.
-    """
-    content, ring, limits = made.content, made.ring, made.content["constraints"]
-    width, height = ring.fov
+    content: dict[str, Any]
+    """All that `camring optimise` or `camring count` writes."""
+    rings: tuple[exact.Ring, ...]
+    """On which cameras may sit."""
+    demand: exact.Demand
+    """What makes a point count."""
+
+
+def asked(made: Made) -> list[tuple[str, str]]:
+    """What was asked, as rows of a table: what, and the answer in words."""
+    content, limits = made.content, made.content["constraints"]
     several = len(content["meshes"]) > 1
     names = [
         f"{mesh['name']}{f', weight {weight:g}' if several else ''}; not counted: {mesh['excluded']}"
@@ -37,8 +41,7 @@ def asked(made: LayoutFile) -> list[tuple[str, str]]:
         ("meshes" if several else "mesh", "; ".join(names)),
         ("cameras", str(content["n_cameras"])),
         ("a point counts when", made.demand.clause()),
-        ("ring", f"{ring.diameter:g} mm wide, {ring.working_distance:g} mm from the focus at {_vector(ring.focus)} mm"),
-        ("field of view", f"{width:g} x {height:g} mm at the focus"),
+        *_ring_rows(made),
         ("smallest separation", f"{limits['min_separation']:g} mm"),
     ]
     if content.get("lights"):
@@ -46,13 +49,8 @@ def asked(made: LayoutFile) -> list[tuple[str, str]]:
     if content.get("obstacles"):
         rows.append(("obstacles", f"{len(content['obstacles'])}, which hide and do not count"))
     if content.get("give_up"):
-        rows.append(("given up for accuracy", f"at most {100 * content['give_up']:g} % of the ring maximum"))
-    if tuple(ring.axis) != (0.0, 0.0, 1.0):
-        rows.append(("ring's axis", _vector(ring.axis)))
-    if ring.zero_towards is not None:
-        rows.append(("ring angle 0 lies towards", _vector(ring.zero_towards)))
-    if ring.roll != "radial":
-        rows.append(("sensors", roll_words(ring)))
+        maximum = "the ring maximum" if len(made.rings) == 1 else "what all rings see"
+        rows.append(("given up for accuracy", f"at most {100 * content['give_up']:g} % of {maximum}"))
     if limits["fixed"]:
         rows.append(("fixed cameras", ", ".join(f"{angle:g}°" for angle in _degrees(limits["fixed"]))))
     if limits["forbidden"]:
@@ -72,6 +70,31 @@ def asked(made: LayoutFile) -> list[tuple[str, str]]:
     return rows
 
 
+def _ring_rows(made: Made) -> list[tuple[str, str]]:
+    rows = []
+    for number, ring in enumerate(made.rings):
+        width, height = ring.fov
+        words = [
+            f"{ring.diameter:g} mm wide, {ring.working_distance:g} mm from the focus at {_vector(ring.focus)} mm",
+            f"field of view {width:g} x {height:g} mm at the focus",
+        ]
+        if tuple(ring.axis) != (0.0, 0.0, 1.0):
+            words.append(f"axis {_vector(ring.axis)}")
+        if ring.zero_towards is not None:
+            words.append(f"ring angle 0 towards {_vector(ring.zero_towards)}")
+        if ring.roll != "radial":
+            words.append(f"sensors {roll_words(ring)}")
+        if (most := _most(made, number)) is not None:
+            words.append(f"at most {most} of the cameras")
+        rows.append(("ring" if len(made.rings) == 1 else f"ring {number + 1}", "; ".join(words)))
+    return rows
+
+
+def _most(made: Made, number: int) -> int | None:
+    """The most cameras that one of several rings takes."""
+    return made.content["rings"][number]["most_cameras"] if len(made.rings) > 1 else None
+
+
 def roll_words(ring: exact.Ring) -> str:
     """How the sensors of a ring are turned about their optical axes.
 
@@ -85,7 +108,7 @@ def roll_words(ring: exact.Ring) -> str:
     return f"the width of every image along ring angle {_degrees([ring.roll])[0]:g}°"
 
 
-def command(made: LayoutFile) -> str:
+def command(made: Made) -> str:
     """The command line that asks for the same again, with `rig` as rig.toml."""
     words = []
     for mesh in made.content["meshes"]:
@@ -96,19 +119,12 @@ def command(made: LayoutFile) -> str:
     return shlex.join(["camring", "optimise", *words, *detail, "--rig", "rig.toml", "--report"])
 
 
-def rig(made: LayoutFile) -> str:
-    """The rig file that asks for the same again: every key that is not at its default, and the ring in full."""
-    content, ring, limits = made.content, made.ring, made.content["constraints"]
+def rig(made: Made) -> str:
+    """The rig file that asks for the same again: every key that is not at its default, and the rings in full."""
+    content, limits = made.content, made.content["constraints"]
     first, poses = content["meshes"][0], content["poses"] or {"n": 1}
     weights = [mesh["weight"] for mesh in content["meshes"]]
     values: dict[str, Any] = {
-        "diameter": ring.diameter,
-        "working_distance": ring.working_distance,
-        "fov": ring.fov,
-        "focus": ring.focus,
-        "axis": ring.axis,
-        "zero_towards": ring.zero_towards,
-        **({"roll": ring.roll} if isinstance(ring.roll, str) else {"roll_deg": _degrees([ring.roll])[0]}),
         "count": content["n_cameras"],
         **_demanded(made),
         "give_up": content.get("give_up", 0.0),
@@ -122,6 +138,7 @@ def rig(made: LayoutFile) -> str:
         "certify": content["certificate"] is not None,
         "exclude": _exclusion(first["excluded"]),
         "scale": max(mesh["scale"] for mesh in content["meshes"]),
+        **{name: any(mesh.get(name) for mesh in content["meshes"]) for name in ("repair", "two_sided")},
         "objective": content["objective"],
         "site_weights": weights if len(set(weights)) > 1 else None,
         "falloff_mm": content["falloff_mm"],
@@ -130,20 +147,37 @@ def rig(made: LayoutFile) -> str:
         **{field.name: content["settings"].get(field.name) for field in fields(placement.Settings)},
     }
     lines = []
+    for number, ring in enumerate(made.rings):
+        most = _most(made, number)
+        written = [f"{name} = {toml_value(value)}" for name, value in _of_ring(ring).items() if value is not None]
+        lines += ["", "[ring]" if len(made.rings) == 1 else "[[ring]]", *written]
+        lines += [] if most is None else [f"{MOST} = {most}"]
     for section, known in sections().items():
         written = [
             f"{name} = {toml_value(values[name])}"
             for name, key in known.items()
-            if values.get(name) is not None
-            and (section in ("ring", "cameras") or _plain(values[name]) != _plain(key.default))
+            if values.get(name) is not None and (section == "cameras" or _plain(values[name]) != _plain(key.default))
         ]
         lines += ["", f"[{section}]", *written] if written else []
     return "\n".join(lines[1:])
 
 
-def _demanded(made: LayoutFile) -> dict[str, Any]:
+def _of_ring(ring: exact.Ring) -> dict[str, Any]:
+    """What a section about a ring says, by the names of its keys; None for what it leaves out."""
+    return {
+        "diameter": ring.diameter,
+        "working_distance": ring.working_distance,
+        "fov": ring.fov,
+        "focus": ring.focus,
+        "axis": ring.axis,
+        "zero_towards": ring.zero_towards,
+        **({"roll": ring.roll} if isinstance(ring.roll, str) else {"roll_deg": _degrees([ring.roll])[0]}),
+    }
+
+
+def _demanded(made: Made) -> dict[str, Any]:
     """What makes a point count, by the names of the keys."""
-    demand = made.demand if made.demand.depth_axis != made.ring.axis else replace(made.demand, depth_axis=None)
+    demand = made.demand if made.demand.depth_axis != made.rings[0].axis else replace(made.demand, depth_axis=None)
     parts = {"Demand": demand} | {kind: getattr(demand, name) for name, kind in PARTS["Demand"].items()}
     values = {}
     for kind, part in parts.items():

@@ -76,11 +76,14 @@ class DrawnSurface:
     frame : (3, 2) ndarray or None
         Box around all that some camera sees, with a margin [mm]; None if none sees anything.
     colourings : tuple of Colouring
-        The equidistant layout, the optimised one, their difference, then each camera of the optimised one.
+        The layout compared, the proposed one, their difference, then each camera of the proposed one; without one to
+        compare with, neither it nor a difference.
+    proposed : int
+        Which of the colourings is the proposed layout.
     camera_areas : (M,) ndarray
-        What each camera of the optimised layout sees [mm²].
-    fields : (2 M, 4, 3) ndarray
-        Corners of the field of view of each camera, of the equidistant layout first, at the level of the highest point
+        What each camera of the proposed layout sees [mm²].
+    fields : (C, 4, 3) ndarray
+        Corners of the field of view of each camera, of the layout compared first, at the level of the highest point
         that is seen [mm].
     """
 
@@ -90,8 +93,32 @@ class DrawnSurface:
     step: float
     frame: np.ndarray | None
     colourings: tuple[Colouring, ...]
+    proposed: int
     camera_areas: np.ndarray
     fields: np.ndarray
+
+    def content(self) -> dict:
+        """What the page's program must know besides what is packed."""
+        return {
+            "n_vertices": len(self.vertices),
+            "n_triangles": len(self.triangles),
+            "origin": self.origin.tolist(),
+            "step": self.step,
+            "frame": None if self.frame is None else self.frame.tolist(),
+            "proposed": self.proposed,
+            "colourings": [
+                {
+                    "name": one.name,
+                    "caption": one.caption,
+                    "fields": np.round(self.fields[one.cameras], 3).tolist(),
+                    "shades": [
+                        {"words": s.label + ("" if s.area is None else f": {s.area:.2f} mm²"), "colour": s.colour}
+                        for s in one.shades
+                    ],
+                }
+                for one in self.colourings
+            ],
+        }
 
     def packed(self) -> str:
         """Triangles, vertices and the shades of every colouring, little-endian, gzip, base64."""
@@ -110,47 +137,66 @@ def packed(content: bytes) -> str:
     return base64.b64encode(gzip.compress(content, mtime=0)).decode("ascii")
 
 
-def drawn_surface(
+@dataclass(frozen=True)
+class ShownLayout:
+    """One of the layouts to look at.
+
+    Attributes
+    ----------
+    name : str
+        For its button.
+    words : str
+        What sentences call it.
+    cameras : tuple of exact.Camera
+    """
+
+    name: str
+    words: str
+    cameras: tuple[exact.Camera, ...]
+
+
+def compared_surface(
     scene: exact.Scene,
-    ring: exact.Ring,
-    angles: np.ndarray,
+    compared: ShownLayout | None,
+    proposed: ShownLayout,
+    places: Sequence[str],
+    axis: np.ndarray,
     demand: exact.Demand,
-    ring_area: float | None = None,
-    rolls: np.ndarray | None = None,
+    maximum: tuple[float, str] | None = None,
 ) -> DrawnSurface:
-    """A layout on a mesh beside the equidistant one.
+    """A layout on a mesh, beside another if there is one to compare with.
 
     Parameters
     ----------
     scene : exact.Scene
-    ring : exact.Ring
-    angles : (M,) ndarray
-        Ring angles [rad].
+    compared, proposed : ShownLayout
+    places : (M,) sequence of str
+        Where each camera of the proposed one sits, in words.
+    axis : (3,) ndarray
+        Up, as the cameras have it.
     demand : exact.Demand
         What makes a point count.
-    ring_area : float, optional
-        Ring maximum, to tell fractions of it [mm²].
-    rolls : (M,) ndarray, optional
-        Of the cameras [rad], as `exact.Ring.cameras` takes them.
+    maximum : (float, str), optional
+        Area of which fractions are told [mm²], and what it is called.
 
     Examples
     --------
     >>> import trimesh
-    >>> plate = trimesh.creation.box((10, 10, 2))
-    >>> made = drawn_surface(exact.Scene(plate), exact.Ring(), np.array([0.0, np.pi]), exact.Demand())
+    >>> plate, ring = trimesh.creation.box((10, 10, 2)), exact.Ring()
+    >>> one, two = (tuple(ring.cameras(angles)) for angles in ([0.0, np.pi], [0.5, 2.0]))
+    >>> even, found = ShownLayout("equidistant", "the equidistant one", one), ShownLayout("optimised", "this one", two)
+    >>> places, up = ["at 29°", "at 115°"], ring.frame[:, 2]
+    >>> made = compared_surface(exact.Scene(plate), even, found, places, up, exact.Demand())
     >>> [(colouring.name, len(colouring.shades)) for colouring in made.colourings]
-    [('equidistant', 3), ('optimised', 3), ('difference', 2), ('camera 1', 2), ('camera 2', 2)]
+    [('equidistant', 3), ('optimised', 3), ('difference', 3), ('camera 1', 2), ('camera 2', 2)]
     """
-    n = len(angles)
-    even, best = np.arange(2 * n) < n, np.arange(2 * n) >= n
-    cameras = (*ring.cameras(ring.equidistant(n)), *ring.cameras(angles, rolls))
+    before = () if compared is None else compared.cameras
+    cameras, n, first = (*before, *proposed.cameras), len(proposed.cameras), len(before)
+    of_compared = np.arange(len(cameras)) < first
     sets = exact.view_sets(scene, cameras, demand=demand)
-    met_even, met_best = sets.met(demand=demand, cameras=even), sets.met(demand=demand, cameras=best)
     vertices, triangles, of, nowhere, origin, step = _geometry(scene, sets)
     areas = np.concatenate([sets.areas, nowhere])
-    seen = np.concatenate([sets.seen, np.zeros((2, 2 * n), dtype=bool)])
-    never = np.zeros(2, dtype=bool)
-    met_even, met_best = np.concatenate([met_even, never]), np.concatenate([met_best, never])
+    seen = np.concatenate([sets.seen, np.zeros((2, len(cameras)), dtype=bool)])
 
     def colouring(
         name: str, caption: str, kind: np.ndarray, table: list[tuple[str, str]], unseen: int, of_cameras: np.ndarray
@@ -171,53 +217,99 @@ def drawn_surface(
         shade = np.searchsorted(used, kind)[of].astype(np.uint8)
         return Colouring(name, caption, tuple(shades), shade, of_cameras)
 
-    def views(name: str, cameras: np.ndarray, met: np.ndarray) -> Colouring:
-        threshold = demand.threshold
+    def met_by(chosen: np.ndarray) -> np.ndarray:
+        return np.concatenate([sets.met(demand=demand, cameras=chosen), np.zeros(2, dtype=bool)])
+
+    def views(name: str, chosen: np.ndarray) -> Colouring:
+        threshold, met = demand.threshold, met_by(chosen)
         shades = max(threshold, min(n, MOST_SHADES))
         palette = colours(shades, threshold)
         table = [(views_words(count, shades, n, demand), hex_colour(palette[count])) for count in range(shades + 1)]
-        count = np.minimum(seen[:, cameras].sum(axis=1), shades)
+        count = np.minimum(seen[:, chosen].sum(axis=1), shades)
         table.append((too_near(demand), TOO_NEAR_COLOUR))
         kind = np.where((count >= threshold) & ~met, shades + 1, count)
         area = float(areas[met].sum())
-        part = f", {100 * area / ring_area:.2f} % of the ring maximum" if ring_area else ""
-        return colouring(name, f"{name}: {area:.2f} mm² reconstructable{part}", kind, table, 0, np.flatnonzero(cameras))
+        part = "" if maximum is None else f", {100 * area / maximum[0]:.2f} % of {maximum[1]}"
+        return colouring(name, f"{name}: {area:.2f} mm² reconstructable{part}", kind, table, 0, np.flatnonzero(chosen))
 
-    gained, lost = float(areas[met_best & ~met_even].sum()), float(areas[met_even & ~met_best].sum())
-    difference = colouring(
-        "difference",
-        f"The optimised layout gains {gained:.2f} mm² and loses {lost:.2f} mm²: {gained - lost:+.2f} mm².",
-        np.select([met_even & met_best, met_best, met_even], [0, 1, 2], 3),
-        [
-            ("reconstructable with both", BOTH_COLOUR), ("with the optimised layout only", GAINED_COLOUR),
-            ("with the equidistant one only", LOST_COLOUR), ("with neither", UNSEEN_COLOUR),
-        ],
-        3,
-        np.flatnonzero(best),
-    )  # fmt: skip
-    camera_areas = areas @ seen[:, n:]
+    def difference(one: ShownLayout) -> Colouring:
+        met_before, met = met_by(of_compared), met_by(~of_compared)
+        gained, lost = float(areas[met & ~met_before].sum()), float(areas[met_before & ~met].sum())
+        return colouring(
+            "difference",
+            f"{proposed.words.capitalize()} gains {gained:.2f} mm² and loses {lost:.2f} mm²: {gained - lost:+.2f} mm².",
+            np.select([met_before & met, met, met_before], [0, 1, 2], 3),
+            [
+                ("reconstructable with both", BOTH_COLOUR), (f"with {proposed.words} only", GAINED_COLOUR),
+                (f"with {one.words} only", LOST_COLOUR), ("with neither", UNSEEN_COLOUR),
+            ],
+            3,
+            np.flatnonzero(~of_compared),
+        )  # fmt: skip
+
+    camera_areas = areas @ seen[:, first:]
     single = [
         colouring(
             f"camera {number}",
-            f"Camera {number} at {np.degrees(angle):.1f}° sees {camera_areas[number - 1]:.2f} mm².",
-            np.where(seen[:, n + number - 1], 1, 0),
+            f"Camera {number} {place} sees {camera_areas[number - 1]:.2f} mm².",
+            np.where(seen[:, first + number - 1], 1, 0),
             [("not seen by this camera", MISSED_COLOUR), ("seen by this camera", SEEN_COLOUR)],
             0,
-            np.array([n + number - 1]),
+            np.array([first + number - 1]),
         )
-        for number, angle in enumerate(angles, start=1)
+        for number, place in enumerate(places, start=1)
     ]
-    layouts = [views("equidistant", even, met_even), views("optimised", best, met_best)]
+    layouts = [views(proposed.name, ~of_compared)]
+    if compared is not None:
+        layouts = [views(compared.name, of_compared), *layouts, difference(compared)]
     shown = vertices[triangles[np.asarray(seen.any(axis=1))[of]].reshape(-1)]
     frame = None
     if len(shown):
         box = origin[:, None] + step * np.stack([shown.min(axis=0), shown.max(axis=0)], axis=1)
         frame = box + MARGIN * np.ptp(box, axis=1).max() * np.array([-1.0, 1.0])
-    highest = (shown * step + origin) @ ring.frame[:, 2] if len(shown) else np.zeros(1)
+    highest = (shown * step + origin) @ axis if len(shown) else np.zeros(1)
     return DrawnSurface(
-        vertices, triangles, origin, step, frame, (*layouts, difference, *single), camera_areas,
-        _fields(cameras, ring.frame[:, 2], float(highest.max())),
+        vertices, triangles, origin, step, frame, (*layouts, *single), int(compared is not None), camera_areas,
+        _fields(cameras, axis, float(highest.max())),
     )  # fmt: skip
+
+
+def drawn_surface(
+    scene: exact.Scene,
+    ring: exact.Ring,
+    angles: np.ndarray,
+    demand: exact.Demand,
+    ring_area: float | None = None,
+    rolls: np.ndarray | None = None,
+) -> DrawnSurface:
+    """A layout of one ring on a mesh beside the equidistant one.
+
+    Parameters
+    ----------
+    scene : exact.Scene
+    ring : exact.Ring
+    angles : (M,) ndarray
+        Ring angles [rad].
+    demand : exact.Demand
+        What makes a point count.
+    ring_area : float, optional
+        Ring maximum, to tell fractions of it [mm²].
+    rolls : (M,) ndarray, optional
+        Of the cameras [rad], as `exact.Ring.cameras` takes them.
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> plate = trimesh.creation.box((10, 10, 2))
+    >>> made = drawn_surface(exact.Scene(plate), exact.Ring(), np.array([0.0, np.pi]), exact.Demand())
+    >>> made.colourings[3].caption
+    'Camera 1 at 0.0° sees 120.00 mm².'
+    """
+    even = ShownLayout("equidistant", "the equidistant one", tuple(ring.cameras(ring.equidistant(len(angles)))))
+    found = ShownLayout("optimised", "the optimised layout", tuple(ring.cameras(angles, rolls)))
+    places = [f"at {np.degrees(angle):.1f}°" for angle in angles]
+    maximum = (ring_area, "the ring maximum") if ring_area else None
+    return compared_surface(scene, even, found, places, ring.frame[:, 2], demand, maximum)
 
 
 def _fields(cameras: Sequence[exact.Camera], axis: np.ndarray, level: float) -> np.ndarray:

@@ -30,13 +30,10 @@ CONSTRAINTS = tuple(sorted(field.name for field in declared(*CLASSES["Constraint
 RING = {field.name: f"{field.name}_mm" if "[mm]" in field.words else field.name for field in declared(*CLASSES["Ring"])}
 # All that any command has written into a layout file; another field is a slip of whoever edited it.
 FIELDS = (
-    "format", "version", "ring", "n_cameras", "threshold", "demand", "angles_deg", "angles_rad",
-    "rolls_deg", "rolls_rad",
-    "best_equidistant_phase_deg", "areas_mm2", "fractions_of_ring_maximum", "rms_errors_mm", "give_up", "most_area",
-    "obstacles", "lights", "smallest_separation_mm", "mesh", "meshes",
-    "objective", "poses",
-    "falloff_mm", "constraints", "starts_rad", "certificate", "settings", "seed", "versions", "robustness",
-    "mounting",
+    "format", "version", "ring", "n_cameras", "threshold", "demand", "angles_deg", "angles_rad", "rolls_deg",
+    "rolls_rad", "best_equidistant_phase_deg", "areas_mm2", "fractions_of_ring_maximum", "rms_errors_mm", "give_up",
+    "most_area", "obstacles", "lights", "smallest_separation_mm", "mesh", "meshes", "objective", "poses", "falloff_mm",
+    "constraints", "starts_rad", "certificate", "settings", "seed", "versions", "robustness", "mounting",
 )  # fmt: skip
 # Angles in degrees and in radians that differ by more than this [rad] were not meant to be the same.
 SAME_ANGLE = 1e-6
@@ -122,7 +119,7 @@ def placement_content(found: "placement.Placement", asked: "Request") -> dict[st
     Areas are sums over the meshes, of several poses of a mesh their mean; fractions are what was maximised: the mean
     over all meshes and poses, or the worst. "mesh" is the first, "meshes" are all of them.
     """
-    first, n_poses, poses = found.sites[0], asked.n_poses, asked.rig
+    first, n_poses = found.sites[0], asked.n_poses
     names = ("optimised", "equidistant", "best_equidistant", "ring_maximum")
     areas = (found.area, found.equidistant_area, found.best_equidistant_area, found.ring_area)
     fractions = (found.fraction, found.equidistant_fraction, found.best_equidistant_fraction, 1.0)
@@ -154,15 +151,12 @@ def placement_content(found: "placement.Placement", asked: "Request") -> dict[st
             "area_mm2": found.most_area.area / n_poses,
             "fraction_of_ring_maximum": found.most_area.fraction,
         },
-        "obstacles": [fingerprint(one) for one in asked.poses[0].scene.obstacles],
-        "lights": [list(light) for light in asked.poses[0].scene.lights],
+        **scene_content(asked),
         "smallest_separation_mm": found.smallest_separation if found.n_cameras > 1 else None,
         "mesh": {"name": asked.subjects[0].name, "sha256": first.mesh_hash, "excluded": asked.excluded[0].words,
                  "n_excluded_faces": first.n_excluded, **_loaded(asked, 0)},
         "meshes": [_mesh_content(found, asked, number) for number in range(len(asked.subjects))],
         "objective": found.objective,
-        "poses": {"n": n_poses, "tilt_deg": poses.tilt_deg, "shift_mm": poses.shift_mm} if n_poses > 1 else None,
-        "falloff_mm": asked.rig.falloff_mm,
         "constraints": asdict(found.constraints),
         "starts_rad": [list(start) for start in found.starts],
         "certificate": None if found.certificate is None else certificate_content(found.certificate),
@@ -172,6 +166,18 @@ def placement_content(found: "placement.Placement", asked: "Request") -> dict[st
     }  # fmt: skip
 
 
+def scene_content(asked: "Request") -> dict[str, Any]:
+    """What stands around the meshes, and how each of them counts, as any layout file says it."""
+    rig, scene = asked.rig, asked.poses[0].scene
+    poses = {"n": asked.n_poses, "tilt_deg": rig.tilt_deg, "shift_mm": rig.shift_mm}
+    return {
+        "obstacles": [fingerprint(one) for one in scene.obstacles],
+        "lights": [list(light) for light in scene.lights],
+        "poses": poses if asked.n_poses > 1 else None,
+        "falloff_mm": rig.falloff_mm,
+    }
+
+
 def rolls_content(rolls: tuple[float, ...] | None) -> dict[str, list[float]]:
     """Rolls of the cameras' own; nothing where they are the ring's."""
     return {} if rolls is None else {"rolls_deg": np.degrees(rolls).tolist(), "rolls_rad": list(rolls)}
@@ -179,21 +185,28 @@ def rolls_content(rolls: tuple[float, ...] | None) -> dict[str, list[float]]:
 
 def _mesh_content(found: "placement.Placement", asked: "Request", number: int) -> dict[str, Any]:
     """One mesh: what it is, how much it counts, and its areas in each pose."""
-    about, excluded = asked.subjects[number], asked.excluded[number]
     sites = found.sites[number * asked.n_poses : (number + 1) * asked.n_poses]
     return {
-        "name": about.name,
-        "sha256": sites[0].mesh_hash,
-        "excluded": excluded.words,
-        "n_excluded_faces": sites[0].n_excluded,
-        **_loaded(asked, number),
-        "weight": asked.weights[number],
+        **mesh_content(asked, number, sites[0].mesh_hash),
         "areas_of_poses_mm2": [
             {"optimised": site.area, "equidistant": site.equidistant_area,
              "best_equidistant": site.best_equidistant_area, "ring_maximum": site.ring_area}
             for site in sites
         ],
     }  # fmt: skip
+
+
+def mesh_content(asked: "Request", number: int, mesh_hash: str) -> dict[str, Any]:
+    """One of the meshes asked for, as any layout file says it, with what it takes to load it again."""
+    excluded = asked.excluded[number]
+    return {
+        "name": asked.subjects[number].name,
+        "sha256": mesh_hash,
+        "excluded": excluded.words,
+        "n_excluded_faces": int(excluded.mask.sum()),
+        **_loaded(asked, number),
+        "weight": asked.weights[number],
+    }
 
 
 def _loaded(asked: "Request", number: int) -> dict[str, Any]:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from experiments.files.table import finite
-from experiments.request.layout_file import ring_content
+from experiments.request.layout_file import mesh_content, ring_content, scene_content
 
 if TYPE_CHECKING:
     import placement
@@ -44,12 +44,8 @@ def rings_content(found: "placement.RingsPlacement", asked: "Request") -> dict[s
         "rings_alone": [_alone(one, n_poses) for one in found.alone],
         "give_up": found.give_up,
         "objective": found.objective,
-        "meshes": [
-            {"name": pose.name, "sha256": mesh_hash, "area_mm2": area, "all_rings_area_mm2": maximum}
-            for pose, mesh_hash, area, maximum in zip(
-                asked.poses, found.mesh_hashes, found.areas, found.maximum_areas, strict=True
-            )
-        ],
+        **scene_content(asked),
+        "meshes": [_mesh(found, asked, number) for number in range(len(asked.subjects))],
         "constraints": asdict(found.constraints[0]),
         "certificate": None
         if found.certificate is None
@@ -57,6 +53,17 @@ def rings_content(found: "placement.RingsPlacement", asked: "Request") -> dict[s
         "settings": asdict(found.settings),
         "seed": found.seed,
         "versions": found.versions,
+    }
+
+
+def _mesh(found: "placement.RingsPlacement", asked: "Request", number: int) -> dict[str, Any]:
+    poses = slice(number * asked.n_poses, (number + 1) * asked.n_poses)
+    return {
+        **mesh_content(asked, number, found.mesh_hashes[poses][0]),
+        "areas_of_poses_mm2": [
+            {"optimised": area, "all_rings": maximum}
+            for area, maximum in zip(found.areas[poses], found.maximum_areas[poses], strict=True)
+        ],
     }
 
 

@@ -14,12 +14,13 @@ from experiments.exports.cameras import named_on_rings
 from experiments.files.errors import InputError
 from experiments.files.ring_maximum_cache import RememberedAreas
 from experiments.files.table import write_table
+from experiments.report import NAME as REPORT
 from experiments.request import layout_file
 from experiments.request import rig as rig_file
 from experiments.request.option_text import parse_ring
 from experiments.request.request import Request
 from experiments.request.rings_content import rings_content
-from experiments.tables.several_rings import places_words, rings_rows, rings_table
+from experiments.tables.several_rings import all_rings, best_alone, places_words, rings_rows, rings_table
 from experiments.terminal.console import note, print_json, terminal
 from experiments.terminal.progress import progress_stages
 
@@ -37,7 +38,7 @@ class SeveralRings(NamedTuple):
     most: tuple[int | None, ...]
 
 
-def refuse_for_several(options: Mapping[str, Any], with_report: bool) -> None:
+def refuse_for_several(options: Mapping[str, Any]) -> None:
     """Refuse options that are about one ring, or say what each of several says itself.
 
     Raises
@@ -47,8 +48,6 @@ def refuse_for_several(options: Mapping[str, Any], with_report: bool) -> None:
     for name, flag in SAID.items():
         if options.get(name) is not None:
             raise InputError(f"each ring says what {flag} does; leave it out, or the rings")
-    if with_report:
-        raise InputError("--report shows the cameras of one ring; leave it out, or ask for one ring")
 
 
 def rings_asked(texts: Sequence[str], tables: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
@@ -92,8 +91,8 @@ def checked_rings(given: Sequence[dict[str, Any]], options: Mapping[str, Any], a
 
 
 def optimise_rings(
-    several: SeveralRings, asked: Request, names: Sequence[str], meshes_too: bool, files: Sequence[str], out: Path,
-    as_json: bool,
+    several: SeveralRings, asked: Request, names: Sequence[str], meshes_too: bool, with_report: bool,
+    files: Sequence[str], out: Path, as_json: bool,
 ) -> float:  # fmt: skip
     """Compute, print and write into the folder `out`, which is there; the fraction of what all rings see."""
     from experiments.figures.several_rings import write_several_rings  # drawing is heavy, and one ring needs none of it
@@ -114,33 +113,25 @@ def optimise_rings(
         content, rows = rings_content(found, asked), rings_rows(found, asked.n_poses)
         layout_file.write(out / CONTENT, content)
         write_table(out / TABLE, rows)
-        write_several_rings(out / PICTURE, asked.poses[0].name, scenes[0], found.rings, _shown(found), found.demand)
+        alone, together = best_alone(found), all_rings(found)
+        shown = [together] if alone is None else [alone, together]
+        write_several_rings(out / PICTURE, asked.poses[0].name, scenes[0], found.rings, shown, found.demand)
         formats.write(out, names, named_on_rings(found.rings, found.ring_of, found.angles), asked.subjects[0])
         if meshes_too:
             files = (*files, *coverage_mesh.write(out, exact.evaluate(scenes[0], found.cameras, demand=found.demand)))
+        if with_report:
+            from experiments.report import rings_page
+            from experiments.report.request_text import Made
+
+            made = Made(content, found.rings, found.demand)
+            rings_page.write(out / REPORT, made, scenes[0], rows, alone, together)
+            files = (*files, REPORT)
     if as_json:
         print_json(content | {"layouts": rows})
     else:
         _print(found, asked, rows)
     note(f"wrote {', '.join(str(out / name) for name in (*RINGS_OUTPUTS, *files))}")
     return found.fraction
-
-
-def _shown(found: placement.RingsPlacement) -> list[tuple[str, Sequence[int], Sequence[float]]]:
-    """The best ring alone, if any holds all cameras, and all rings together."""
-    alone = [
-        (one.fraction, k, one.placement.angles) for k, one in enumerate(found.alone)
-        if one.placement is not None and one.fraction is not None
-    ]  # fmt: skip
-    shown = []
-    if alone:
-        fraction, k, angles = max(alone)
-        shown.append((f"ring {k + 1} alone\n{_percent(fraction)}", [k] * len(angles), angles))
-    return [*shown, (f"all rings\n{_percent(found.fraction)}", found.ring_of, found.angles)]
-
-
-def _percent(fraction: float) -> str:
-    return f"{100 * fraction:.2f} % of what all rings see"
 
 
 def _print(found: placement.RingsPlacement, asked: Request, rows: Sequence[dict[str, Any]]) -> None:

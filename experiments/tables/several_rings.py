@@ -1,14 +1,48 @@
 """The table of several rings: each alone, equidistant and optimised, and all of them together."""
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from rich.table import Table
 
+import exact
 import placement
 from experiments.files.table import finite
 from experiments.terminal.console import table
+
+
+class LayoutOnRings(NamedTuple):
+    """One of the layouts compared."""
+
+    name: str
+    ring_of: Sequence[int]
+    """Which ring each camera sits on, from 0."""
+    angles: Sequence[float]
+    """Ring angles [rad]."""
+    fraction: float
+    """Exact area over what all rings see."""
+
+    def cameras(self, rings: Sequence[exact.Ring]) -> tuple[exact.Camera, ...]:
+        """(M,) its cameras."""
+        return tuple(rings[k].cameras([angle])[0] for k, angle in zip(self.ring_of, self.angles, strict=True))
+
+
+def best_alone(found: "placement.RingsPlacement") -> LayoutOnRings | None:
+    """The best layout of one ring; None if none of them takes all cameras."""
+    alone = [
+        (one.fraction, k, one.placement.angles) for k, one in enumerate(found.alone)
+        if one.placement is not None and one.fraction is not None
+    ]  # fmt: skip
+    if not alone:
+        return None
+    fraction, k, angles = max(alone)
+    return LayoutOnRings(f"ring {k + 1} alone", [k] * len(angles), angles, fraction)
+
+
+def all_rings(found: "placement.RingsPlacement") -> LayoutOnRings:
+    """The layout proposed."""
+    return LayoutOnRings("all rings", found.ring_of, found.angles, found.fraction)
 
 
 def rings_rows(found: "placement.RingsPlacement", n_poses: int) -> list[dict[str, Any]]:

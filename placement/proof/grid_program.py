@@ -77,10 +77,14 @@ class GridProgram:
         """(P,) how many neighbouring places there are at most of which no two are far enough apart for a point."""
         return np.ceil(self.apart).astype(int)
 
-    def sums(self, covered: Bool[np.ndarray, " P"]) -> Float[np.ndarray, " S"]:
-        """(n_sites,) weight of the points that the (P,) mask `covered` chooses."""
-        # Of no points at all it gives whole numbers.
-        return np.bincount(self.site, weights=self.weights * covered, minlength=self.n_sites).astype(np.float64)
+    @cached_property
+    def of_sites(self) -> Float[np.ndarray, "P S"]:
+        """(P, n_sites) the weight of each point in the sum it belongs to."""
+        return self.weights[:, None] * (self.site[:, None] == np.arange(self.n_sites))
+
+    def sums(self, covered: Bool[np.ndarray, "*C P"]) -> Float[np.ndarray, "*C S"]:
+        """(..., n_sites) weight of the points that each (..., P) mask `covered` chooses."""
+        return covered @ self.of_sites
 
     def merged(self) -> "GridProgram":
         """The same program with points of equal profile merged, and those that cannot be decided left out."""
@@ -136,7 +140,7 @@ class GridProgram:
             for one, other in itertools.combinations(range(len(at)), 2):
                 far |= seen[one] & seen[other] & (around(at[one] - at[other], len(self.seen))[:, None] >= self.apart)
             covered &= far
-        return np.stack([self.sums(one) for one in covered]).min(axis=1)
+        return self.sums(covered).min(axis=1)
 
     def value(self, places) -> float:
         """The same for one choice."""

@@ -21,7 +21,7 @@ FORBIDDEN = {"meshes": {"jax", "equinox", "optimistix"}, "exact": {"jax", "equin
 ROOMS = {
     "experiments": (
         "files", "terminal", "request", "sweeps", "tables", "figures", "exports", "simulate", "paper", "study",
-        "rings", "report", "design", "bench", "cli",
+        "report", "rings", "design", "bench", "cli",
     ),
 }  # fmt: skip
 # More than a reader takes in at a glance.

@@ -52,7 +52,7 @@ def run(
     checked_target(target)
     several = rings_asked(rings or (), rig_file.ring_tables(rig_path))
     if several:
-        refuse_for_several(options, with_report)
+        refuse_for_several(options)
     names = () if export is None else formats.parse_formats(export, "--export", (*formats.FORMATS, "mesh"))
     if any(is_site(name) for name in meshes):
         start_processes(available_cores())  # which takes as long as building a site
@@ -61,9 +61,9 @@ def run(
     names = tuple(name for name in names if name in formats.FORMATS)
     if several:
         on_rings = checked_rings(several, {} if rings else options, asked)
-        results_folder(out, (*RINGS_OUTPUTS, *meshes_too), asked.subjects[0], force)
+        results_folder(out, (*RINGS_OUTPUTS, *meshes_too, *[REPORT] * with_report), asked.subjects[0], force)
         files = formats.prepare(out, names, force)
-        fraction = optimise_rings(on_rings, asked, names, bool(meshes_too), files, out, as_json)
+        fraction = optimise_rings(on_rings, asked, names, bool(meshes_too), with_report, files, out, as_json)
         reach(target, fraction, f"{asked.rig.n_cameras} cameras on all rings")
         return
     asked.check_cameras(asked.rig.n_cameras)

@@ -89,7 +89,7 @@ async function start() {
   }
 
   buttons.forEach((button, number) => button.addEventListener("click", () => show(number)));
-  await show(1);
+  await show(scene.proposed);
 }
 
 start().catch((fault) => {

@@ -188,6 +188,7 @@ def test_the_curve_of_camring_count_is_shown_if_it_is_of_the_same_request(made, 
 
 def test_the_request_can_be_repeated(made, tmp_path):
     layout = read(made / "out" / "layout.json")
+    layout = report_words.Made(layout.content, (layout.ring,), layout.demand)
     (tmp_path / "rig.toml").write_text(report_words.rig(layout), encoding="utf-8")
     again, first = rig_file.rig(tmp_path / "rig.toml"), rig_file.rig(
         made / "quick.toml", count=3, fixed_deg="10", forbidden_deg="60:90"

@@ -1,6 +1,7 @@
 """camring optimise --ring … --ring …: what is printed and written is what the library finds, exports show the same."""
 
 import csv
+import dataclasses
 import json
 
 import matplotlib.image
@@ -12,6 +13,7 @@ import exact
 import meshes
 import placement
 from experiments.cli.app import main
+from experiments.request import rig as rig_file
 from tests.experiments.exports.test_export import (  # noqa: F401 - further readers of what is exported
     Exported,
     test_colmap_reads_the_same_cameras,
@@ -21,7 +23,9 @@ from tests.experiments.exports.test_export import (  # noqa: F401 - further read
     test_table_says_the_same,
     test_transforms_follow_opengl,
 )
+from tests.experiments.report.test_report import chromium, opened  # noqa: F401 - the browser
 from tests.placement.rings.by_hand import alone, bound_of
+from tests.support.browser import PATIENCE
 
 RINGS = exact.Ring(), exact.Ring(16.0, 380.0, (54.0, 36.0))
 
@@ -44,7 +48,7 @@ def asked(desk, *options):
 def written(desk):
     """The folder with everything that is written, and the file that says what was found."""
     out = desk / "out"
-    arguments = asked(desk, "--certify", "--export", "colmap,transforms,opencv,glb,csv,mesh", "--out", out)
+    arguments = asked(desk, "--certify", "--export", "colmap,transforms,opencv,glb,csv,mesh", "--report", "--out", out)
     with pytest.raises(SystemExit) as end:
         main([str(word) for word in arguments])
     assert not end.value.code
@@ -123,6 +127,53 @@ def test_the_table_and_the_picture_are_written(desk, written):
     assert isinstance(shown, trimesh.Trimesh) and shown.area == pytest.approx(content["area_mm2"], rel=1e-5)
 
 
+def test_the_report_shows_what_each_camera_sees(desk, written, exported, chromium):  # noqa: F811
+    out, content = written
+    page, faults, requests = opened(chromium, out / "report.html", 1280, 900)
+    buttons = page.locator("button[data-colouring]")
+    assert buttons.all_inner_texts() == ["ring 1 alone", "all rings", "difference", "camera 1", "camera 2", "camera 3"]
+    mesh, part = meshes.load(desk / "scan.stl"), 100 * content["fraction_of_all_rings"]
+    words = f"all rings: {content['area_mm2']:.2f} mm² reconstructable, {part:.2f} % of what all rings see"
+    assert page.inner_text("#caption") == words
+    for number, (one, camera) in enumerate(zip(content["cameras"], exported.cameras, strict=True), start=3):
+        buttons.nth(number).click(timeout=PATIENCE)
+        page.wait_for_selector(f"#plot[data-shown='{number}']", timeout=PATIENCE)
+        area = exact.evaluate(mesh, [camera], threshold=1).area
+        sees = f"Camera {number - 2} on ring {one['ring']} at {one['ring_angle_deg']:.1f}° sees {area:.2f} mm²."
+        assert page.inner_text("#caption") == sees
+    assert page.locator("#ring svg circle").count() == 3 and page.locator("#ring svg.ring polyline").count() == 2
+    assert content["certificate"]["statement"] in page.inner_text("#certificate")
+    gain = content["fraction_of_all_rings"] - content["rings_alone"][0]["fraction_of_all_rings"]
+    assert f"{100 * gain:+.2f} % against the best of one ring alone" in page.inner_text("header")
+    assert faults == [] and requests == [(out / "report.html").as_uri()]
+
+
+def test_the_report_says_how_to_repeat_it(desk, written, chromium, tmp_path):  # noqa: F811
+    out, content = written
+    page, *_ = opened(chromium, out / "report.html", 800, 900)
+    rig = tmp_path / "rig.toml"
+    rig.write_text(page.locator("#repeat pre").first.inner_text(), encoding="utf-8")
+    one, two = rig_file.ring_tables(rig)
+    assert (exact.Ring(**one), two.pop("most"), exact.Ring(**two)) == (RINGS[0], 1, RINGS[1])
+    again, first = rig_file.rig(rig, True), rig_file.rig(desk / "rig.toml")
+    assert (again.n_cameras, again.seed, again.certify, again.exclude) == (3, 0, True, "none")
+    step = content["settings"]["certificate_step"]
+    assert again.settings == dataclasses.replace(first.settings, certificate_step=step)
+    assert page.locator("#repeat pre").last.inner_text().endswith("scan.stl --rig rig.toml --report")
+
+
+def test_without_a_ring_that_takes_all_cameras_there_is_nothing_to_compare_with(camring, desk, tmp_path):
+    rings = ("--ring", "30x400:2", "--ring", "16x380@54x36:1", "--cameras", 3, "--report")
+    status, _, err = camring(
+        "optimise", desk / "scan.stl", "--rig", desk / "rig.toml", *rings, "--out", tmp_path / "out"
+    )
+    assert status == 0, err
+    page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert "against the best" not in page and ">difference<" not in page and page.count("data-colouring=") == 4
+    assert "No layout of ring 1 (30 x 400) alone: it takes at most 2 of the 3 cameras." in page
+    assert "at most 2 of the cameras" in page and "most = 2" in page
+
+
 def test_what_is_printed(camring, desk, tmp_path):
     status, out, err = camring(*asked(desk, "--out", tmp_path / "out"))
     assert status == 0 and "wrote" in err
@@ -190,7 +241,6 @@ def test_tables_that_cannot_be_are_refused(camring, desk, tmp_path, table, said)
         (("--ring", "0x400"), "--ring is '0x400'; it must be"),
         (("--diameter", 20), "each ring says what --diameter does; leave it out, or the rings"),
         (("--fixed-deg", "10"), "fixed cameras and forbidden arcs are those of one ring"),
-        (("--report",), "--report shows the cameras of one ring"),
         (("--roll", "free"), "the rolls of ring 1 are free, which is known for one ring only"),
         (("--min-angle-deg", 1), "min_angle is known for one ring only"),
         (("--min-separation", 40), "3 cameras do not fit on these rings: ring 1 1, ring 2 1"),
