@@ -7,7 +7,7 @@ OLDEST_TESTS := $(addprefix tests/,whole/test_dependencies.py exact/test_closed_
 	exact/rays/test_sites.py::test_awkward_meshes meshes/test_load.py placement/test_soft_coverage.py \
 	bad_input/test_refused.py)
 
-.PHONY: demo test coverage test-oldest lint lock docs clean
+.PHONY: demo test test-all coverage test-oldest lint lock docs clean
 
 demo: .venv/installed
 	$(BIN)/camring optimise circ_artery --depth 50 --cameras 4 --out out/demo --force
@@ -16,9 +16,13 @@ demo: .venv/installed
 test: .venv/installed-test lint
 	$(BIN)/pytest -n 2
 
-# The same, counting which lines the tests reach, in worker processes and commands too: it takes three times as long.
+# Those that take long, too: twice as long as `make test`.
+test-all: .venv/installed-test lint
+	$(BIN)/pytest -n 2 --all
+
+# All of them, counting which lines they reach, in worker processes and commands too: it takes three times as long.
 coverage: .venv/installed-test
-	$(BIN)/pytest -n 2 --cov --cov-report=
+	$(BIN)/pytest -n 2 --all --cov --cov-report=
 	$(BIN)/coverage report
 
 # The oldest releases that pyproject.toml allows, in an environment of their own. What they warn of is of their time.

@@ -16,6 +16,25 @@ os.environ.setdefault("JAX_COMPILATION_CACHE_DIR", str(ROOT / ".pytest_cache" / 
 keep_compiled()
 
 
+LONG = ROOT / "tests" / "long.txt"
+
+
+def pytest_addoption(parser):
+    """`--all` runs the tests that take long, too."""
+    parser.addoption("--all", action="store_true", help=f"run the tests that {LONG.name} lists, too")
+
+
+def pytest_collection_modifyitems(config, items):
+    """Leave out what takes long, unless all tests are to be run, or single ones are named."""
+    named = {line for line in LONG.read_text(encoding="utf-8").splitlines() if line and not line.startswith("#")}
+    if config.args == config.getini("testpaths") and (unknown := named - {item.nodeid for item in items}):
+        raise pytest.UsageError(f"{LONG} names no tests: {', '.join(sorted(unknown))}; leave them out there")
+    if config.getoption("--all") or any("::" in argument for argument in config.args):
+        return
+    config.hook.pytest_deselected(items=[item for item in items if item.nodeid in named])
+    items[:] = [item for item in items if item.nodeid not in named]
+
+
 @pytest.fixture(scope="session", autouse=True)
 def _own_cache_folder():
     """Nothing that earlier runs have remembered, and nothing for later ones."""

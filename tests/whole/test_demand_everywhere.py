@@ -71,11 +71,15 @@ def test_a_further_field_works_in_every_search(wall, wider):
     assert [one.placement.demand.baseline for one in count.counts] == [29.0] * len(count.counts)
     problem = placement.Problem(wall, RING, settings=QUICK, **more)
     assert problem.optimise(3, certify=False).area == found.area
+    kept = placement.robustness(problem, found.angles, n_mountings=1)
+    assert kept.fraction == pytest.approx(found.fraction, rel=1e-12)
+
+
+def test_a_further_field_works_in_searches_for_rings(wall, wider):
+    more, less = {"min_chord_cm": 2.9}, {"min_baseline": 29.0}
     still = {"diameter": (30.0, 30.0), "working_distance": (400.0, 400.0)}
     one, other = (placement.refine_ring(wall, RING, LAYOUT, **still, **asked) for asked in (more, less))
     assert one.angles == other.angles and one.area == other.area
-    kept = placement.robustness(problem, found.angles, n_mountings=1)
-    assert kept.fraction == pytest.approx(found.fraction, rel=1e-12)
     rings = (RING, exact.Ring(20.0))
     options = {"settings": QUICK, "certify": False}
     one, other = (placement.optimise_rings(wall, rings, 3, **options, **asked) for asked in (more, less))
