@@ -11,7 +11,7 @@ import exact
 import placement
 from exact.demand import SAME_LENGTH
 from experiments.files.errors import InputError
-from experiments.request import layout_file
+from experiments.layouts import layout_content, layout_file
 from placement.layouts.constraints import GAP_MARGIN, demanded, on_ring
 from placement.layouts.open_arcs import TURN, open_arcs
 
@@ -150,9 +150,9 @@ class Design:
     def content(self, mesh: dict[str, Any]) -> dict[str, Any]:
         """As it stands in a layout file, which `from_content` and `camring evaluate --layout` read; areas apart."""
         return {
-            "format": layout_file.FORMAT,
-            "version": layout_file.VERSION,
-            "ring": layout_file.ring_content(self.ring),
+            "format": layout_content.FORMAT,
+            "version": layout_content.VERSION,
+            "ring": layout_content.ring_content(self.ring),
             "n_cameras": len(self.angles),
             "threshold": self.demand.threshold,
             "demand": asdict(self.demand),

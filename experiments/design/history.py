@@ -8,7 +8,7 @@ from typing import Any
 
 from experiments.design.design import Design
 from experiments.files.errors import InputError
-from experiments.request import layout_file
+from experiments.layouts import layout_file
 
 FORMAT, VERSION = "camring designer session", 1
 # Layouts that are kept; the oldest go first.

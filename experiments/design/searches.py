@@ -22,8 +22,8 @@ from experiments.design.sampled import SampledAreas
 from experiments.design.worker import Answer, Asked, latest, refusal
 from experiments.exports import coverage_mesh, formats
 from experiments.exports.cameras import named_cameras
+from experiments.layouts import layout_content, layout_file
 from experiments.report import page
-from experiments.request import layout_file
 from experiments.request.request import Request
 from placement.layouts.arcs import LayoutSpace
 from placement.search.ring_maximum import RingMaximum
@@ -82,7 +82,7 @@ def layout(asked: Request, design: Design, tell: Tell) -> bytes:
     """`layout.json`, as `camring optimise` writes it: what it compares with is worked out for this layout."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "layout.json"
-        layout_file.write(path, _content(asked, design, tell))
+        layout_content.write(path, _content(asked, design, tell))
         return path.read_bytes()
 
 
@@ -90,7 +90,7 @@ def report(asked: Request, design: Design, tell: Tell) -> bytes:
     """`report.html`."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "layout.json"
-        layout_file.write(path, _content(asked, design, tell))
+        layout_content.write(path, _content(asked, design, tell))
         tell("progress", ("writing the report", 0, 1))
         return page.page(layout_file.read(path), asked.poses[0].scene, Path(folder)).encode()
 
@@ -164,7 +164,7 @@ def _content(asked: Request, design: Design, tell: Tell) -> dict[str, Any]:
     found = _problem(asked, design, tell).optimise(
         len(design.angles), all_fixed, certify=False, give_up=asked.rig.give_up, progress=progress_of(tell)
     )
-    return layout_file.placement_content(
+    return layout_content.placement_content(
         replace(found, constraints=design.limits), _request(asked, design)
     )  # fmt: skip
 

@@ -13,7 +13,7 @@ from experiments.design.design import MOST_CAMERAS, Design
 from experiments.design.history import History, Numbers, Tried
 from experiments.design.settings import SETTINGS
 from experiments.files.errors import InputError
-from experiments.request import layout_file
+from experiments.layouts import layout_file
 from experiments.request.rig import Rig
 from placement.layouts.arcs import LayoutSpace
 

@@ -93,7 +93,9 @@ def named_cameras(
     )
 
 
-def named_on_rings(rings: Sequence[exact.Ring], ring_of, angles) -> tuple[NamedCamera, ...]:
+def named_on_rings(
+    rings: Sequence[exact.Ring], ring_of, angles, resolution: tuple[int, int] | None = None
+) -> tuple[NamedCamera, ...]:
     """The same for cameras on several rings: which of the rings (M,) each sits on, from 0, and its ring angle [rad].
 
     Names tell the ring, counted from 1; the cameras of each ring follow each other.
@@ -106,7 +108,7 @@ def named_on_rings(rings: Sequence[exact.Ring], ring_of, angles) -> tuple[NamedC
     """
     found = []
     for k in np.unique(ring_of).tolist():
-        own = named_cameras(rings[k], np.asarray(angles)[np.asarray(ring_of) == k])
+        own = named_cameras(rings[k], np.asarray(angles)[np.asarray(ring_of) == k], resolution)
         found += [replace(camera, name=f"ring_{k + 1}_{camera.name}") for camera in own]
     return tuple(found)
 

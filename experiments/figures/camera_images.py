@@ -1,6 +1,6 @@
 """camera_01.png, camera_02.png, ..: what each camera sees, with faces that it sees only in part in red."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -24,10 +24,10 @@ def write_camera_images(
     folder: Path,
     name: str,
     mesh: trimesh.Trimesh,
-    ring: exact.Ring,
-    angles: np.ndarray,
+    cameras: Sequence[exact.Camera],
+    places: Sequence[str],
+    is_radial: bool,
     report: Callable[[int], object] = lambda steps: None,
-    rolls: np.ndarray | None = None,
 ) -> list[str]:
     """Draw the image of each camera of a layout.
 
@@ -38,24 +38,23 @@ def write_camera_images(
     name : str
         Of the mesh, for the titles.
     mesh : trimesh.Trimesh
-    ring : exact.Ring
-    angles : (M,) ndarray
-        Ring angles [rad].
+    cameras : (M,) sequence of exact.Camera
+    places : (M,) sequence of str
+        Where each of them sits, in words.
+    is_radial : bool
+        Whether the width of every image lies along the ring.
     report : callable
         Called with 1 after each image.
-    rolls : (M,) ndarray, optional
-        Of the cameras [rad], as `exact.Ring.cameras` takes them.
 
     Returns
     -------
     list of str
         Names of the files.
     """
-    names, cameras = image_names(len(angles)), ring.cameras(angles, rolls)
-    is_radial = rolls is None and ring.roll == "radial"
-    for number, (file, angle, camera) in enumerate(zip(names, angles, cameras, strict=True), start=1):
+    names = image_names(len(cameras))
+    for number, (file, place, camera) in enumerate(zip(names, places, cameras, strict=True), start=1):
         seen = exact.view(mesh, camera)
-        title = f"{name}: camera {number} of {len(angles)}, ring angle {np.degrees(angle) % 360:.1f}°"
+        title = f"{name}: camera {number} of {len(cameras)}, {place}"
         with written_whole(folder / file) as temporary:
             _drawn(seen, mesh, f"{title}\nsees {seen.area:.1f} mm²", is_radial).savefig(temporary)
         report(1)

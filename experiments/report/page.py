@@ -11,12 +11,12 @@ import exact
 import placement
 from experiments.files.errors import InputError
 from experiments.files.whole import written_whole
+from experiments.layouts.layout_file import LayoutFile, constraints_of
 from experiments.report.drawings import count_drawing, histogram_drawing, ring_drawing, tradeoff_drawing
 from experiments.report.rendered import rendered
 from experiments.report.request_text import Made
 from experiments.report.scene import DrawnSurface, drawn_surface
 from experiments.report.simulated import simulated
-from experiments.request.layout_file import LayoutFile, constraints_of
 from experiments.tables.layouts import SHARES
 from experiments.tables.robustness import PAIRS_SHOWN_UNTIL, accurate_pairs_words, consensus_words
 from experiments.terminal.console import note

@@ -8,6 +8,7 @@ import numpy as np
 
 import exact
 import placement
+from experiments.layouts.rings_content import MOST_CAMERAS
 from experiments.request.options import PARTS, keys, sections
 from experiments.request.rig import MOST
 from experiments.request.rig_template import toml_value
@@ -92,7 +93,7 @@ def _ring_rows(made: Made) -> list[tuple[str, str]]:
 
 def _most(made: Made, number: int) -> int | None:
     """The most cameras that one of several rings takes."""
-    return made.content["rings"][number]["most_cameras"] if len(made.rings) > 1 else None
+    return made.content["rings"][number][MOST_CAMERAS] if len(made.rings) > 1 else None
 
 
 def roll_words(ring: exact.Ring) -> str:

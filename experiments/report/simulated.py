@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from experiments.files.errors import InputError
-from experiments.request.layout_file import LayoutFile
+from experiments.layouts.layout_file import LayoutFile
 from experiments.simulate import ERRORS, FIGURES, PREDICTION
 from experiments.terminal.console import note
 

@@ -14,12 +14,12 @@ from experiments.exports.cameras import named_on_rings
 from experiments.files.errors import InputError
 from experiments.files.ring_maximum_cache import RememberedAreas
 from experiments.files.table import write_table
+from experiments.layouts import layout_content
+from experiments.layouts.rings_content import rings_content
 from experiments.report import NAME as REPORT
-from experiments.request import layout_file
 from experiments.request import rig as rig_file
 from experiments.request.option_text import parse_ring
 from experiments.request.request import Request
-from experiments.request.rings_content import rings_content
 from experiments.tables.several_rings import all_rings, best_alone, places_words, rings_rows, rings_table
 from experiments.terminal.console import note, print_json, terminal
 from experiments.terminal.progress import progress_stages
@@ -111,7 +111,7 @@ def optimise_rings(
         )  # fmt: skip
         progress("drawing", 0, 1)
         content, rows = rings_content(found, asked), rings_rows(found, asked.n_poses)
-        layout_file.write(out / CONTENT, content)
+        layout_content.write(out / CONTENT, content)
         write_table(out / TABLE, rows)
         alone, together = best_alone(found), all_rings(found)
         shown = [together] if alone is None else [alone, together]

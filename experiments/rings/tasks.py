@@ -15,7 +15,7 @@ import exact
 import placement
 from experiments.files.errors import InputError
 from experiments.files.table import finite
-from experiments.request.layout_file import RING, placement_content, ring_content, rolls_content
+from experiments.layouts.layout_content import RING, placement_content, ring_content, rolls_content
 from experiments.request.meshes import is_site
 from experiments.request.request import Request, request
 from experiments.request.rig_content import rig_content, rig_of

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from experiments.files.table import finite
-from experiments.request.layout_file import rolls_content
+from experiments.layouts.layout_content import rolls_content
 from experiments.simulate.compare import TOLERANCE, TOLERANCES
 from experiments.simulate.simulation import Simulated
 from experiments.simulate.truth import FACING

@@ -47,7 +47,7 @@ def layout_reader(folder: Path) -> Callable[[bytes], None]:
     """The whole file."""
     import exact
     from experiments.files.errors import InputError
-    from experiments.request import layout_file
+    from experiments.layouts import layout_file
 
     path = folder / "layout.json"
 
@@ -121,7 +121,7 @@ def main(arguments: list[str]) -> None:
     parsers = {"mesh": ["meshes", "trimesh"], "layout": ["experiments", "json"], "rig": ["experiments", "tomllib"]}
     with atheris.instrument_imports(include=parsers[target]):
         import meshes  # noqa: F401
-        from experiments.request import layout_file, rig  # noqa: F401
+        from experiments.request import rig  # noqa: F401
     with tempfile.TemporaryDirectory(dir="/dev/shm" if os.path.isdir("/dev/shm") else None) as name:
         corpus = Path(name) / "corpus"
         corpus.mkdir()

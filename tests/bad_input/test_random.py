@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 import exact
 import placement
 from experiments.files.errors import InputError
-from experiments.request import layout_file
+from experiments.layouts import layout_file
 from experiments.request import options as request_options
 from experiments.request import rig as rig_file
 from placement.layouts.arcs import LayoutSpace

@@ -20,8 +20,8 @@ FORBIDDEN = {"meshes": {"jax", "equinox", "optimistix"}, "exact": {"jax", "equin
 # Each room may import those before it.
 ROOMS = {
     "experiments": (
-        "files", "terminal", "request", "sweeps", "tables", "figures", "exports", "simulate", "paper", "study",
-        "report", "rings", "design", "bench", "cli",
+        "files", "terminal", "request", "layouts", "sweeps", "tables", "figures", "exports", "simulate", "paper",
+        "study", "report", "rings", "design", "bench", "cli",
     ),
 }  # fmt: skip
 # More than a reader takes in at a glance.

@@ -10,7 +10,7 @@ from experiments.cli.commands.evaluate import refuse_unseen
 from experiments.cli.results_folder import results_folder
 from experiments.figures.coverage import Panel, write_coverage
 from experiments.files.errors import InputError
-from experiments.request import layout_file
+from experiments.layouts import layout_content, layout_file
 from experiments.request.meshes import exclusion, subject
 from experiments.request.rig import checked_place, overridden
 from experiments.tables import layouts as layout_table
@@ -74,7 +74,7 @@ def run(
         rows.append(layout_table.row(str(one.path), one.angles, found, found / maximum, gain, spread, error))
     content: dict[str, Any] = {
         "mesh": {"name": about.name, "excluded": excluded.words, "scale": loaded["scale"], **about.told},
-        "ring": layout_file.ring_content(rig),
+        "ring": layout_content.ring_content(rig),
         "threshold": demand.threshold,
         "min_baseline_mm": demand.min_baseline,
         "ring_maximum_mm2": maximum,

@@ -12,7 +12,7 @@ from experiments.cli.results_folder import results_folder
 from experiments.figures.count import write_count
 from experiments.files.errors import InputError
 from experiments.files.table import finite, write_table
-from experiments.request import layout_file
+from experiments.layouts import layout_content
 from experiments.request import rig as rig_file
 from experiments.request.request import Request, request
 from experiments.request.target_fraction import checked_target, reach
@@ -56,7 +56,7 @@ def run(
         write_table(out / TABLE, [figures(one) for one in counts])
         found = counted.placement
         if found is not None and found.fraction >= target and not (out / LAYOUT).exists():
-            layout_file.write(out / LAYOUT, layout_file.placement_content(found, asked))
+            layout_content.write(out / LAYOUT, layout_content.placement_content(found, asked))
 
     background(import_descent)  # while the site is sampled
     with progress_stages() as progress:
@@ -75,7 +75,7 @@ def run(
                 "n_equidistant": found.n_equidistant,
                 "in_words": words,
                 "counts": [figures(counted) for counted in found.counts],
-                "layout": None if found.placement is None else layout_file.placement_content(found.placement, asked),
+                "layout": None if found.placement is None else layout_content.placement_content(found.placement, asked),
             }
         )
     else:

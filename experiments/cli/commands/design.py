@@ -11,7 +11,7 @@ from experiments.cli.extras import refuse_without
 from experiments.cli.options import MESH, RING_ITSELF
 from experiments.files.errors import InputError
 from experiments.files.whole import output_folder
-from experiments.request import layout_file
+from experiments.layouts import layout_file
 from experiments.request import rig as rig_file
 from experiments.request.options import keys
 from experiments.request.request import Request, request

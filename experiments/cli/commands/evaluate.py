@@ -11,7 +11,7 @@ from experiments.cli.options import refuse_ring_beside_layout
 from experiments.cli.results_folder import results_folder
 from experiments.files.errors import InputError
 from experiments.files.whole import image_names, output_folder
-from experiments.request import layout_file
+from experiments.layouts import layout_content, layout_file
 from experiments.request import rig as rig_file
 from experiments.request.meshes import Subject
 from experiments.request.option_text import parse_angles
@@ -42,12 +42,28 @@ SAME_PLACE = 1e-3
 
 @dataclass(frozen=True, eq=False)
 class _Cameras:
-    """Cameras on a ring, and what makes a point count."""
+    """Cameras on a ring or several, which of them each sits on, from 0, and what makes a point count."""
 
-    ring: exact.Ring
+    rings: tuple[exact.Ring, ...]
+    ring_of: np.ndarray
     angles: np.ndarray
     demand: exact.Demand
     rolls: np.ndarray | None = None
+
+    @property
+    def is_several(self) -> bool:
+        """Whether it takes words to say on which ring a camera sits."""
+        return len(self.rings) > 1
+
+    def all(self) -> tuple[exact.Camera, ...]:
+        """(M,) the cameras."""
+        if not self.is_several:
+            return tuple(self.rings[0].cameras(self.angles, self.rolls))
+        return tuple(self.rings[k].cameras([angle])[0] for k, angle in zip(self.ring_of, self.angles, strict=True))
+
+    def around(self, n_cameras: int) -> tuple[exact.Camera, ...]:
+        """As many equidistant cameras on each ring."""
+        return tuple(camera for ring in self.rings for camera in ring.cameras(ring.equidistant(n_cameras)))
 
 
 def run(
@@ -76,17 +92,20 @@ def run(
     if layout is not None:
         refuse_ring_beside_layout(options, rig_path)
     # One mesh as it is: what a rig file says of several and of poses is for layouts that serve them all.
-    made = None if layout is None else layout_file.read(layout)
+    made = None if layout is None else layout_file.read(layout, several=True)
+    if made is not None and len(made.rings) > 1 and options["place"] is not None:
+        raise InputError("--place finds the place of one ring; leave it out, or give a layout on one ring")
     given = options if made is None else options | made.loaded(mesh, options)
     rig = replace(rig_file.rig(rig_path, **given), jitter=1, site_weights=None)
     asked = request([mesh], depth, detail, rig, None if made is None else made.ring)
     if made is not None:
         made.refuse_other_mesh(asked.subjects[0].mesh, asked.name, force)
-        cameras = _Cameras(asked.ring, made.angles, overridden(made.moved_to(asked.ring), options), made.rolls)
+        rings, demand = (asked.ring, *made.rings[1:]), overridden(made.moved_to(asked.ring), options)
+        cameras = _Cameras(rings, made.ring_of, made.angles, demand, made.rolls)
     else:
         listed = angles_deg is not None
         angles = np.radians(parse_angles(angles_deg)) if listed else asked.ring.equidistant(asked.rig.n_cameras)
-        cameras = _Cameras(asked.ring, angles, asked.demand)
+        cameras = _Cameras((asked.ring,), np.zeros(len(angles), dtype=int), angles, asked.demand)
     _warn_of_one_place(cameras)
     if out is not None:
         results_folder(out, OUTPUTS, asked.subjects[0], force)
@@ -96,7 +115,7 @@ def run(
     if as_json:
         print_json(content)
     else:
-        _print(asked, cameras.angles, result, content)
+        _print(asked, cameras, result, content)
     if out is not None:
         _write(out, asked, result, content)
     if images is not None:
@@ -109,7 +128,9 @@ def _warn_of_one_place(given: _Cameras) -> None:
     """Two cameras in one place are two views to the count, and none to triangulation."""
     if given.demand.threshold < 2 or given.demand.baseline > 0:
         return
-    apart = given.ring.separations(given.angles) + np.where(np.tri(len(given.angles), dtype=bool), np.inf, 0.0)
+    centre = np.array([camera.position for camera in given.all()])
+    apart = np.linalg.norm(centre[:, None] - centre[None, :], axis=2)
+    apart[np.tri(len(centre), dtype=bool)] = np.inf
     first, second = np.unravel_index(np.argmin(apart), apart.shape)
     if apart[first, second] < SAME_PLACE:
         note(
@@ -121,19 +142,18 @@ def _warn_of_one_place(given: _Cameras) -> None:
 def _evaluate(asked: Request, given: _Cameras, with_maximum: bool) -> tuple[exact.Reconstruction, dict[str, Any]]:
     """The reconstruction, and all figures as they stand in evaluation.json."""
     about, scene = asked.subjects[0], asked.poses[0].scene
-    cameras = given.ring.cameras(given.angles, given.rolls)
+    cameras = given.all()
     n_ring = asked.rig.settings.ring_cameras if with_maximum else 0
-    with progress_bar("evaluating", 2 * len(cameras) + n_ring) as advance:
+    with progress_bar("evaluating", 2 * len(cameras) + n_ring * len(given.rings)) as advance:
         result = exact.evaluate(scene, cameras, demand=given.demand, report=advance)
         single = []
         for camera in cameras:
             single.append(exact.evaluate(scene, [camera], threshold=1).area)
             advance(1)
-        refuse_unseen(about, result, given.ring)
+        refuse_unseen(about, result, given.rings[0])
         maximum = None
         if with_maximum:
-            around = given.ring.cameras(given.ring.equidistant(n_ring))
-            maximum = exact.evaluate(scene, around, demand=unbased(given.demand), report=advance).area
+            maximum = exact.evaluate(scene, given.around(n_ring), demand=unbased(given.demand), report=advance).area
     content = {
         "mesh": {
             "name": about.name,
@@ -144,7 +164,7 @@ def _evaluate(asked: Request, given: _Cameras, with_maximum: bool) -> tuple[exac
             "two_sided": asked.rig.two_sided,
             **about.told,
         },
-        "ring": layout_file.ring_content(given.ring),
+        **_rings_content(given),
         "angles_rad": given.angles.tolist(),
         "angles_deg": np.degrees(given.angles).tolist(),
         **({} if given.rolls is None else {"rolls_rad": given.rolls.tolist()}),
@@ -166,12 +186,22 @@ def _evaluate(asked: Request, given: _Cameras, with_maximum: bool) -> tuple[exac
     return result, content
 
 
+def _rings_content(given: _Cameras) -> dict[str, Any]:
+    """The ring, or the rings and which of them each camera sits on, from 1."""
+    if not given.is_several:
+        return {"ring": layout_content.ring_content(given.rings[0])}
+    return {
+        "rings": [layout_content.ring_content(ring) for ring in given.rings],
+        "ring_of_camera": (given.ring_of + 1).tolist(),
+    }
+
+
 def _write(out: Path, asked: Request, result: exact.Reconstruction, content: dict[str, Any]) -> None:
     from experiments.exports import (
         coverage_mesh,  # it brings matplotlib for its colours, which figures alone do not need
     )
 
-    layout_file.write(out / "evaluation.json", content)
+    layout_content.write(out / "evaluation.json", content)
     names = coverage_mesh.write(out, result)
     names += coverage_mesh.write_errors(out, result if "errors_mm" in content else None)
     missing = "" if "reconstructable.stl" in names else "; nothing is reconstructable, so there is no mesh of it"
@@ -182,9 +212,11 @@ def _write_images(folder: Path, asked: Request, given: _Cameras) -> None:
     from experiments.figures.camera_images import write_camera_images  # matplotlib is heavy, and the rest needs none
 
     with progress_bar("drawing", len(given.angles)) as advance:
-        names = write_camera_images(
-            folder, asked.name, asked.subjects[0].mesh, given.ring, given.angles, advance, given.rolls
-        )
+        on = [f"ring {k + 1}, " if given.is_several else "" for k in given.ring_of]
+        degrees = np.degrees(given.angles) % 360
+        places = [f"{ring}ring angle {angle:.1f}°" for ring, angle in zip(on, degrees, strict=True)]
+        is_radial = given.rolls is None and all(ring.roll == "radial" for ring in given.rings)
+        names = write_camera_images(folder, asked.name, asked.subjects[0].mesh, given.all(), places, is_radial, advance)
     note(f"wrote {folder / names[0]}{f' to {names[-1]}' if len(names) > 1 else ''}")
 
 
@@ -207,7 +239,7 @@ def refuse_unseen(about: Subject, result: exact.Reconstruction, ring: exact.Ring
         )
 
 
-def _print(asked: Request, angles: np.ndarray, result: exact.Reconstruction, content: dict[str, Any]) -> None:
+def _print(asked: Request, given: _Cameras, result: exact.Reconstruction, content: dict[str, Any]) -> None:
     console = terminal()
     console.print(f"{asked.name}: {len(asked.subjects[0].mesh.faces)} faces; not counted: {asked.excluded[0].words}")
     if asked.rig.falloff_mm is not None:
@@ -219,10 +251,13 @@ def _print(asked: Request, angles: np.ndarray, result: exact.Reconstruction, con
     if result.demand.baseline > 0:
         shown.add_row(f"… two of them {result.demand.baseline:.4g} mm apart", f"{result.area:.4f}")
     console.print(shown)
-    shown = table("camera", "ring angle [degrees]", "exact area [mm²]")
-    for number, (angle, area) in enumerate(zip(angles, content["camera_areas_mm2"], strict=True), start=1):
-        shown.add_row(str(number), f"{np.degrees(angle):.3f}", f"{area:.4f}")
-    if len(angles) <= MOST_SHOWN:
+    of_ring = ["ring"] if given.is_several else []
+    shown = table("camera", *of_ring, "ring angle [degrees]", "exact area [mm²]")
+    rows = zip(given.ring_of, given.angles, content["camera_areas_mm2"], strict=True)
+    for number, (k, angle, area) in enumerate(rows, start=1):
+        ring = [str(k + 1)] if given.is_several else []
+        shown.add_row(str(number), *ring, f"{np.degrees(angle):.3f}", f"{area:.4f}")
+    if len(given.angles) <= MOST_SHOWN:
         console.print(shown)
     if "errors_mm" in content:
         errors = content["errors_mm"]
@@ -233,7 +268,8 @@ def _print(asked: Request, angles: np.ndarray, result: exact.Reconstruction, con
         )
     if "ring_maximum_mm2" in content:
         console.print(
-            f"ring maximum ({asked.rig.settings.ring_cameras} cameras): {content['ring_maximum_mm2']:.4f} mm², of "
+            f"ring maximum ({asked.rig.settings.ring_cameras} cameras{' on each ring' if given.is_several else ''}): "
+            f"{content['ring_maximum_mm2']:.4f} mm², of "
             f"which {100 * content['fraction_of_ring_maximum']:.2f} % are reconstructable"
         )
     console.print(f"reconstructable area: {result.area:.4f} mm²")

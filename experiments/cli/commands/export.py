@@ -4,9 +4,9 @@ from pathlib import Path
 from typing import Any
 
 from experiments.exports import formats
-from experiments.exports.cameras import named_cameras, parse_resolution
+from experiments.exports.cameras import named_cameras, named_on_rings, parse_resolution
 from experiments.files.errors import InputError
-from experiments.request import layout_file
+from experiments.layouts import layout_file
 from experiments.request.meshes import Subject, subject
 from experiments.terminal.console import note, print_json
 
@@ -31,11 +31,11 @@ def run(
         )
     names = formats.parse_formats(format, "--format")
     size = None if resolution is None else parse_resolution(resolution)
-    made = layout_file.read(layout)
+    made = layout_file.read(layout, several=True)
     shows_site = [name for name in names if formats.FORMATS[name].needs_site]
     if mesh is None and shows_site:
-        origin = made.content.get("mesh")
-        hint = f", {origin['name']!r}," if isinstance(origin, dict) and "name" in origin else ""
+        names_known = list(dict.fromkeys(made.made_for.values()))
+        hint = f", {names_known[0]!r}," if names_known else ""
         raise InputError(
             f"{shows_site[0]} shows the site with the cameras; give the mesh{hint} that the layout was made for, "
             "as in --mesh scan.stl"
@@ -49,14 +49,19 @@ def run(
         )
     site = None if mesh is None else _site(made, mesh, depth, detail, options, force)
     files = formats.prepare(out, names, force)
-    cameras = named_cameras(made.ring, made.angles, size, made.rolls)
+    if len(made.rings) > 1:
+        cameras = named_on_rings(made.rings, made.ring_of, made.angles, size)
+    else:
+        cameras = named_cameras(made.ring, made.angles, size, made.rolls)
     formats.write(out, names, cameras, site)
-    width, height = cameras[0].size
+    sizes = list(dict.fromkeys(camera.size for camera in cameras))
     if as_json:
         names = [camera.name for camera in cameras]
-        print_json({"cameras": names, "resolution_px": [width, height], "files": [str(out / file) for file in files]})
+        files_written = [str(out / file) for file in files]
+        print_json({"cameras": names, "resolution_px": list(sizes[0]), "files": files_written})
     else:
-        print(f"{len(cameras)} camera{'s' if len(cameras) > 1 else ''}, {width} x {height} pixels each")
+        each = " or ".join(f"{width} x {height}" for width, height in sizes)
+        print(f"{len(cameras)} camera{'s' if len(cameras) > 1 else ''}, {each} pixels each")
     note(f"wrote {', '.join(str(out / file) for file in files)}")
 
 

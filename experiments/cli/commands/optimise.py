@@ -12,8 +12,8 @@ from exact.workers import available_cores, background, start_processes
 from experiments.cli.results_folder import results_folder
 from experiments.exports import coverage_mesh, formats
 from experiments.exports.cameras import named_cameras
+from experiments.layouts import layout_content, layout_file
 from experiments.report import NAME as REPORT
-from experiments.request import layout_file
 from experiments.request import rig as rig_file
 from experiments.request.meshes import is_site
 from experiments.request.request import Request, request
@@ -87,7 +87,7 @@ def run(
         progress("faults and triangulation angles", 0, 1)
         searched = [_kept(problem, asked, robust, layout.angles, layout.rolls) for layout in layouts[2:]]
         rows = _rows(result, asked, layouts, [*(found.result() for found in even), *searched])
-        content = layout_file.placement_content(result, asked)
+        content = layout_content.placement_content(result, asked)
         scenes = [pose.scene for pose in asked.poses]
         mounted = mounting_table.mounting(scenes, asked.ring, result.angles, result.demand, result.rolls)
         if mounted is not None:
@@ -96,7 +96,7 @@ def run(
             area, agreed = sum(site.area for site in result.sites), placement.consensus(result)
             content["robustness"] = robustness_table.robustness_content(rows, agreed, area)
         progress("drawing", 0, 1)
-        layout_file.write(out / OUTPUTS[0], content)
+        layout_content.write(out / OUTPUTS[0], content)
         layout_table.write_csv(out / OUTPUTS[1], rows)
         drawing.result()
         formats.write(

@@ -10,9 +10,9 @@ import exact
 import meshes
 from experiments.files.errors import InputError
 from experiments.files.whole import output_folder
+from experiments.layouts import layout_file
 from experiments.report import NAME
 from experiments.report import page as report
-from experiments.request import layout_file
 from experiments.request.meshes import Subject, exclusion, subject
 from experiments.terminal.console import note, print_json
 from experiments.terminal.progress import working

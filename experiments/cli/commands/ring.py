@@ -15,7 +15,7 @@ from experiments.figures.rings import write_rings
 from experiments.files.errors import InputError, TargetMissed
 from experiments.files.table import write_table
 from experiments.files.whole import output_folder
-from experiments.request import layout_file
+from experiments.layouts import layout_content
 from experiments.request import rig as rig_file
 from experiments.request.option_text import parse_fov, parse_steps
 from experiments.request.request import Request, request
@@ -71,7 +71,7 @@ def run(
     counted = [counted_area(pose.scene) for pose in asked.poses]
     shares = None if asked.rig.objective == "worst" else _shares(asked)
     rows = [
-        ring_row(layout_file.ring_content(ring), result, counted, shares)
+        ring_row(layout_content.ring_content(ring), result, counted, shares)
         for ring, result in zip(every, results, strict=True)
     ]
     mark_undominated(rows)
@@ -171,7 +171,7 @@ def _write_layouts(folder: Path, layouts: Sequence[dict[str, Any]]) -> None:
     if layouts:
         output_folder(folder, (), force=True)
     for layout in layouts:
-        layout_file.write(folder / f"{layout_name(layout['ring'])}.json", layout)
+        layout_content.write(folder / f"{layout_name(layout['ring'])}.json", layout)
 
 
 def layout_name(ring: dict[str, Any]) -> str:
@@ -179,7 +179,7 @@ def layout_name(ring: dict[str, Any]) -> str:
 
     Examples
     --------
-    >>> layout_name(layout_file.ring_content(exact.Ring(diameter=22.5)))
+    >>> layout_name(layout_content.ring_content(exact.Ring(diameter=22.5)))
     'd22.5_h400_fov36x24'
     """
     width, height = ring["fov_mm"]

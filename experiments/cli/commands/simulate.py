@@ -13,7 +13,7 @@ from experiments.cli.options import refuse_ring_beside_layout
 from experiments.cli.results_folder import results_folder
 from experiments.files.errors import InputError
 from experiments.files.table import write_table
-from experiments.request import layout_file
+from experiments.layouts import layout_content, layout_file
 from experiments.request import rig as rig_file
 from experiments.request.request import Request, request
 from experiments.request.rig import overridden
@@ -152,14 +152,14 @@ def _tell(out: Path, request: Request, found: "list[Simulated]", as_json: bool) 
     content = {
         "mesh": name,
         "mesh_sha256": first.scene.mesh_hash,
-        "ring": layout_file.ring_content(first.ring),
+        "ring": layout_content.ring_content(first.ring),
         "demand": asdict(first.demand),
         "simulation": asdict(first.simulation),
         "seed": first.seed,
         "versions": {one: version(one) for one in ("camring", "numpy", "shapely", *EXTRAS["simulate"].values())},
         "layouts": [tables.summary(one) for one in found],
     }
-    layout_file.write(out / FIGURES, content)
+    layout_content.write(out / FIGURES, content)
     if as_json:
         print_json(content)
     else:

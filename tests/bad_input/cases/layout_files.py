@@ -2,7 +2,7 @@
 
 import json
 
-from experiments.request import layout_file
+from experiments.layouts import layout_file
 from tests.bad_input.cases.case import Case
 from tests.support.files import LAYOUT, RING, part, put
 

@@ -15,7 +15,7 @@ import exact
 import meshes
 import placement
 from experiments.cli.app import main
-from experiments.request import layout_file
+from experiments.layouts import layout_file
 
 RING = exact.Ring()
 

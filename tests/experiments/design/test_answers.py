@@ -13,8 +13,8 @@ from experiments.design import searches
 from experiments.design.design import Design
 from experiments.design.exact_answers import COUNTED, RECONSTRUCTED, ExactAnswers
 from experiments.design.sampled import SampledAreas
+from experiments.layouts.layout_file import understood
 from experiments.request import rig as rig_file
-from experiments.request.layout_file import understood
 from experiments.request.request import request
 from tests.support.ray_oracle import Samples
 

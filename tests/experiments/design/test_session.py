@@ -15,7 +15,7 @@ from experiments.design.history import MOST_TRIED, History, Numbers
 from experiments.design.session import Reader, Session
 from experiments.design.settings import SETTINGS
 from experiments.files.errors import InputError
-from experiments.request import layout_file
+from experiments.layouts import layout_file
 
 RING, DEMAND = exact.Ring(), exact.Demand()
 MESH = {"name": "a plate", "sha256": "0" * 64}

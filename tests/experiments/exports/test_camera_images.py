@@ -26,8 +26,8 @@ def shares(path):
 
 
 def draw(folder, mesh, angles=(0.5,)):
-    ring = exact.Ring()
-    names = write_camera_images(folder, "plate", mesh, ring, np.array(angles))
+    cameras = exact.Ring().cameras(angles)
+    names = write_camera_images(folder, "plate", mesh, cameras, [f"at {angle:g}" for angle in angles], True)
     return [shares(folder / name) for name in names]
 
 

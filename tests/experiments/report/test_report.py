@@ -13,10 +13,10 @@ from playwright.sync_api import sync_playwright
 import exact
 import meshes
 from experiments.cli.app import main
+from experiments.layouts.layout_file import read
 from experiments.report import request_text as report_words
 from experiments.report.scene import drawn_surface
 from experiments.request import rig as rig_file
-from experiments.request.layout_file import read
 from tests.support.browser import FLAGS, PATIENCE, browser_path
 
 # A name that would do something if it were taken for HTML; the rest of the report must be whole around it.

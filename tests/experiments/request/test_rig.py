@@ -11,9 +11,9 @@ import trimesh
 import exact
 import meshes
 import placement
+from experiments.layouts.layout_file import constraints_of
 from experiments.request import options as request_options
 from experiments.request import rig as rig_file
-from experiments.request.layout_file import constraints_of
 from experiments.request.option_kinds import NUMBER
 from experiments.request.option_text import parse_angles, parse_arcs
 

@@ -8,9 +8,9 @@ import pytest
 import trimesh
 
 import exact
+from experiments.layouts.layout_file import read
 from experiments.report.scene import drawn_surface
 from experiments.request import rig as rig_file
-from experiments.request.layout_file import read
 from tests.support.files import LAYOUT, RING, put
 
 # A plate 100 mm long and 30 mm wide in the focus: a camera above sees 36 x 24 mm of it, or 24 x 30 where the width of

@@ -10,7 +10,7 @@ import trimesh
 
 import exact
 import meshes
-from experiments.request.layout_file import read
+from experiments.layouts.layout_file import read
 
 
 @pytest.fixture(scope="module")

@@ -185,6 +185,78 @@ def test_what_is_printed(camring, desk, tmp_path):
     assert status == 1 and len(json.loads(out)["layouts"]) == 5
 
 
+def test_evaluate_and_export_take_its_file(camring, desk, written, exported, tmp_path):
+    out, content = written
+    layout = out / "several_rings.json"
+    images, areas = tmp_path / "images", tmp_path / "areas"
+    status, printed, err = camring(
+        "evaluate", desk / "scan.stl", "--layout", layout, "--json", "--target", "0.5", "--rig", desk / "none.toml"
+    )
+    assert status == 2 and "a layout brings its own ring" in err
+    asked = ("evaluate", desk / "scan.stl", "--layout", layout, "--images", images, "--out", areas)
+    status, printed, err = camring(*asked, "--json", "--target", "0.5")
+    assert status == 0, err
+    told = json.loads(printed)
+    assert told["area_mm2"] == pytest.approx(content["area_mm2"], rel=1e-12)
+    assert told["errors_mm"]["rms"] == pytest.approx(content["rms_error_mm"], rel=1e-9)
+    assert told["ring_of_camera"] == [one["ring"] for one in content["cameras"]] and len(told["rings"]) == 2
+    around = [camera for ring in RINGS for camera in ring.cameras(ring.equidistant(360))]
+    maximum = exact.evaluate(meshes.load(desk / "scan.stl"), around).area
+    assert told["ring_maximum_mm2"] == pytest.approx(maximum, rel=1e-12)
+    single = [exact.evaluate(meshes.load(desk / "scan.stl"), [one], threshold=1).area for one in exported.cameras]
+    assert told["camera_areas_mm2"] == pytest.approx(single, rel=1e-12)
+    assert len(list(images.glob("camera_*.png"))) == 3
+    status, printed, _ = camring("evaluate", desk / "scan.stl", "--layout", layout)
+    assert status == 0 and "ring angle [degrees]" in printed and f"{content['area_mm2']:.4f}" in printed
+    status, _, err = camring("export", layout, "--format", "csv,opencv", "--out", tmp_path / "same")
+    assert status == 0, err
+    same, first = ((folder / "cameras.csv").read_bytes() for folder in (tmp_path / "same", out))
+    assert same == first
+    status, printed, _ = camring(
+        "export", layout, "--format", "csv", "--resolution", "1200x800", "--out", tmp_path / "less"
+    )
+    assert status == 0 and "3 cameras, 1200 x 800 pixels each" in printed
+
+
+@pytest.mark.parametrize("command", ["compare", "report", "simulate", "design"])
+def test_other_commands_say_that_they_do_not(camring, desk, written, tmp_path, command):
+    layout, scan = written[0] / "several_rings.json", desk / "scan.stl"
+    asked = {
+        "compare": (layout, layout, "--mesh", scan),
+        "report": (layout, "--mesh", scan, "--out", tmp_path),
+        "simulate": (scan, "--layout", layout, "--out", tmp_path),
+        "design": (scan, "--layout", layout, "--no-browser"),
+    }[command]
+    status, out, err = camring(command, *asked)
+    assert (status, out) == (2, "") and "is a layout on several rings; camring evaluate and export take one" in err
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"rings": []}, '"rings" must list at least one ring'),
+        ({"rings": [{"diameter_mm": 3.0}]}, 'ring 1 of "rings" must give diameter_mm, working_distance_mm and fov_mm'),
+        ({"cameras": []}, '"cameras" must list at least one camera'),
+        ({"cameras": [{"ring": 3, "ring_angle_rad": 0.0}]}, 'camera 1 of "cameras" must give its "ring", a whole'),
+        ({"cameras": [{"ring": 1}]}, 'camera 1 of "cameras" must give "ring_angle_rad" or "ring_angle_deg"'),
+        ({"cameras": [{"ring": 1, "ring_angle_rad": 0.0, "ring_angle_deg": 9.0}]}, "are not the same angles"),
+        ({"n_cameras": 4}, '"n_cameras" is 4, and there are 3 cameras'),
+        ({"ring": {}}, "there is no field 'ring'; did you mean rings?"),
+    ],
+)
+def test_a_file_that_was_changed_is_refused(camring, desk, written, tmp_path, change, said):
+    content = json.loads((written[0] / "several_rings.json").read_text(encoding="utf-8")) | change
+    (tmp_path / "changed.json").write_text(json.dumps(content), encoding="utf-8")
+    status, out, err = camring("evaluate", desk / "scan.stl", "--layout", tmp_path / "changed.json")
+    assert (status, out) == (2, "") and said in " ".join(err.split()) and "Traceback" not in err
+
+
+def test_the_place_is_that_of_one_ring(camring, desk, written):
+    layout = written[0] / "several_rings.json"
+    status, _, err = camring("evaluate", desk / "scan.stl", "--layout", layout, "--place", "auto")
+    assert status == 2 and "--place finds the place of one ring" in err
+
+
 TABLES = """
 [[ring]]
 

@@ -1,8 +1,8 @@
-"""The file `layout.json`: a ring and where its cameras sit, with the exact areas and all that repeats them."""
+"""A layout as it is read back from its file, `layout.json` of one ring or `several_rings.json`, and checked."""
 
 import difflib
 import json
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,8 +12,8 @@ import trimesh
 import exact
 from exact.requests import checked_demand, demand_keywords
 from experiments.files.errors import InputError
-from experiments.files.table import finite
-from experiments.files.whole import written_whole
+from experiments.layouts.layout_content import FORMAT, RING, VERSION
+from experiments.layouts.rings_content import MOST_CAMERAS, RINGS_FORMAT
 from experiments.request.declared_fields import declared
 from experiments.request.meshes import is_site
 from experiments.request.options import CLASSES, PARTS
@@ -21,13 +21,8 @@ from meshes import fingerprint
 
 if TYPE_CHECKING:  # at run time it would bring jax along, which reading a layout hardly ever needs
     import placement
-    from experiments.request.request import Request
 
-FORMAT = "camring layout"
-VERSION = 1
 CONSTRAINTS = tuple(sorted(field.name for field in declared(*CLASSES["Constraints"])))
-# What the file calls each field of a ring: with its unit, where it has one.
-RING = {field.name: f"{field.name}_mm" if "[mm]" in field.words else field.name for field in declared(*CLASSES["Ring"])}
 # All that any command has written into a layout file; another field is a slip of whoever edited it.
 FIELDS = (
     "format", "version", "ring", "n_cameras", "threshold", "demand", "angles_deg", "angles_rad", "rolls_deg",
@@ -35,23 +30,49 @@ FIELDS = (
     "most_area", "obstacles", "lights", "smallest_separation_mm", "mesh", "meshes", "objective", "poses", "falloff_mm",
     "constraints", "starts_rad", "certificate", "settings", "seed", "versions", "robustness", "mounting",
 )  # fmt: skip
+# The same of one on several rings.
+FIELDS_OF_SEVERAL = (
+    "format", "version", "rings", "n_cameras", "threshold", "demand", "cameras", "area_mm2", "fraction_of_all_rings",
+    "rms_error_mm", "smallest_separation_mm", "all_rings_area_mm2", "most_area", "rings_alone", "give_up", "objective",
+    "obstacles", "lights", "poses", "falloff_mm", "meshes", "constraints", "certificate", "settings", "seed",
+    "versions",
+)  # fmt: skip
 # Angles in degrees and in radians that differ by more than this [rad] were not meant to be the same.
 SAME_ANGLE = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
 class LayoutFile:
-    """What is read back from a layout file; `demand` has the baseline of its constraints, `content` is all of it.
+    """What is read back from a layout file.
 
-    `rolls` are those of the cameras (M,) [rad], as `exact.Ring.cameras` takes them; None if they are the ring's.
+    Attributes
+    ----------
+    path : pathlib.Path
+    rings : (K,) tuple of exact.Ring
+    ring_of : (M,) ndarray of int
+        Which of them each camera sits on, from 0.
+    angles : (M,) ndarray
+        Ring angles [rad].
+    rolls : (M,) ndarray or None
+        Of the cameras [rad], as `exact.Ring.cameras` takes them; None if they are those of their rings.
+    demand : exact.Demand
+        With the baseline of the constraints.
+    content : dict
+        All of it.
     """
 
     path: Path
-    ring: exact.Ring
+    rings: tuple[exact.Ring, ...]
+    ring_of: np.ndarray
     angles: np.ndarray
     rolls: np.ndarray | None
     demand: exact.Demand
     content: dict[str, Any]
+
+    @property
+    def ring(self) -> exact.Ring:
+        """The ring, or the first of several."""
+        return self.rings[0]
 
     @property
     def made_for(self) -> dict[str, str]:
@@ -77,7 +98,7 @@ class LayoutFile:
         ------
         InputError
         """
-        kept = self.content.get("mesh") or {}
+        kept = self.content.get("mesh") or next(iter(self.content.get("meshes") or ()), {})
         found = {}
         for name in ("repair", "two_sided"):
             value = kept.get(name, False) if options.get(name) is None else options[name]
@@ -107,139 +128,16 @@ class LayoutFile:
         )
 
 
-def ring_content(ring: exact.Ring) -> dict[str, Any]:
-    """The ring as it stands in the file, lengths in millimetres."""
-    values = {key: getattr(ring, name) for name, key in RING.items()}
-    return {key: list(value) if isinstance(value, tuple) else value for key, value in values.items()}
-
-
-def placement_content(found: "placement.Placement", asked: "Request") -> dict[str, Any]:
-    """A `placement.Placement` as it stands in the file.
-
-    Areas are sums over the meshes, of several poses of a mesh their mean; fractions are what was maximised: the mean
-    over all meshes and poses, or the worst. "mesh" is the first, "meshes" are all of them.
-    """
-    first, n_poses = found.sites[0], asked.n_poses
-    names = ("optimised", "equidistant", "best_equidistant", "ring_maximum")
-    areas = (found.area, found.equidistant_area, found.best_equidistant_area, found.ring_area)
-    fractions = (found.fraction, found.equidistant_fraction, found.best_equidistant_fraction, 1.0)
-    errors = {
-        "optimised": found.error_rms,
-        "equidistant": found.equidistant_error_rms,
-        "best_equidistant": found.best_equidistant_error_rms,
-        "most_area": found.most_area_error_rms,
-    }
-    return {
-        "format": FORMAT,
-        "version": VERSION,
-        "ring": ring_content(found.ring),
-        "n_cameras": found.n_cameras,
-        "threshold": found.threshold,
-        "demand": asdict(found.demand),
-        "angles_deg": np.degrees(found.angles).tolist(),
-        "angles_rad": list(found.angles),
-        **rolls_content(found.rolls),
-        "best_equidistant_phase_deg": float(np.degrees(found.best_equidistant_phase)),
-        "areas_mm2": {name: area / n_poses for name, area in zip(names, areas, strict=True)},
-        "fractions_of_ring_maximum": dict(zip(names, fractions, strict=True)),
-        "rms_errors_mm": {name: finite(value) for name, value in errors.items()},
-        "give_up": found.give_up,
-        "most_area": {
-            "angles_deg": np.degrees(found.most_area.angles).tolist(),
-            "angles_rad": list(found.most_area.angles),
-            **rolls_content(found.most_area.rolls),
-            "area_mm2": found.most_area.area / n_poses,
-            "fraction_of_ring_maximum": found.most_area.fraction,
-        },
-        **scene_content(asked),
-        "smallest_separation_mm": found.smallest_separation if found.n_cameras > 1 else None,
-        "mesh": {"name": asked.subjects[0].name, "sha256": first.mesh_hash, "excluded": asked.excluded[0].words,
-                 "n_excluded_faces": first.n_excluded, **_loaded(asked, 0)},
-        "meshes": [_mesh_content(found, asked, number) for number in range(len(asked.subjects))],
-        "objective": found.objective,
-        "constraints": asdict(found.constraints),
-        "starts_rad": [list(start) for start in found.starts],
-        "certificate": None if found.certificate is None else certificate_content(found.certificate),
-        "settings": asdict(found.settings),
-        "seed": found.seed,
-        "versions": found.versions,
-    }  # fmt: skip
-
-
-def scene_content(asked: "Request") -> dict[str, Any]:
-    """What stands around the meshes, and how each of them counts, as any layout file says it."""
-    rig, scene = asked.rig, asked.poses[0].scene
-    poses = {"n": asked.n_poses, "tilt_deg": rig.tilt_deg, "shift_mm": rig.shift_mm}
-    return {
-        "obstacles": [fingerprint(one) for one in scene.obstacles],
-        "lights": [list(light) for light in scene.lights],
-        "poses": poses if asked.n_poses > 1 else None,
-        "falloff_mm": rig.falloff_mm,
-    }
-
-
-def rolls_content(rolls: tuple[float, ...] | None) -> dict[str, list[float]]:
-    """Rolls of the cameras' own; nothing where they are the ring's."""
-    return {} if rolls is None else {"rolls_deg": np.degrees(rolls).tolist(), "rolls_rad": list(rolls)}
-
-
-def _mesh_content(found: "placement.Placement", asked: "Request", number: int) -> dict[str, Any]:
-    """One mesh: what it is, how much it counts, and its areas in each pose."""
-    sites = found.sites[number * asked.n_poses : (number + 1) * asked.n_poses]
-    return {
-        **mesh_content(asked, number, sites[0].mesh_hash),
-        "areas_of_poses_mm2": [
-            {"optimised": site.area, "equidistant": site.equidistant_area,
-             "best_equidistant": site.best_equidistant_area, "ring_maximum": site.ring_area}
-            for site in sites
-        ],
-    }  # fmt: skip
-
-
-def mesh_content(asked: "Request", number: int, mesh_hash: str) -> dict[str, Any]:
-    """One of the meshes asked for, as any layout file says it, with what it takes to load it again."""
-    excluded = asked.excluded[number]
-    return {
-        "name": asked.subjects[number].name,
-        "sha256": mesh_hash,
-        "excluded": excluded.words,
-        "n_excluded_faces": int(excluded.mask.sum()),
-        **_loaded(asked, number),
-        "weight": asked.weights[number],
-    }
-
-
-def _loaded(asked: "Request", number: int) -> dict[str, Any]:
-    """How the mesh was loaded, so that it can be again, and what was said of it."""
-    about, rig = asked.subjects[number], asked.rig
-    if about.is_site:
-        return {"scale": 1.0, "repair": False, "two_sided": False, **about.told}
-    return {"scale": rig.scale, "repair": rig.repair, "two_sided": rig.two_sided, **about.told}
-
-
-def certificate_content(certificate) -> dict[str, Any]:
-    """A `placement.Certificate` as it stands in the file: fractions of the ring maximum of the samples."""
-    return {
-        "bound_fraction": certificate.bound_fraction,
-        "gap": certificate.gap,
-        "grid_bound_fraction": certificate.grid_bound_fraction,
-        "grid_gap": certificate.grid_gap,
-        "proven": certificate.proven,
-        "surface": None if certificate.surface is None else asdict(certificate.surface),
-        "statement": certificate.statement,
-    }
-
-
-def write(path: Path, content: dict[str, Any]) -> None:
-    """Write `content` as JSON, whole or not at all."""
-    with written_whole(path) as temporary:
-        temporary.write_text(json.dumps(content, indent=2, allow_nan=False) + "\n", encoding="utf-8")
-
-
-def read(path: Path) -> LayoutFile:
+def read(path: Path, several: bool = False) -> LayoutFile:
     """Read and check a layout file.
 
     `angles_rad` is what counts; a file written by hand may give `angles_deg` instead.
+
+    Parameters
+    ----------
+    path : pathlib.Path
+    several : bool
+        Whether it may be of several rings.
 
     Raises
     ------
@@ -252,10 +150,10 @@ def read(path: Path) -> LayoutFile:
         raise InputError(f"cannot read layout {path}: {error.strerror}") from error
     except ValueError as error:
         raise InputError(f"{path} is not a layout file: it holds no valid JSON ({error})") from error
-    return understood(text, path)
+    return understood(text, path, several)
 
 
-def understood(text: str, path: Path) -> LayoutFile:
+def understood(text: str, path: Path, several: bool = False) -> LayoutFile:
     """The layout that the text of a file gives; `path` is what messages call it.
 
     Raises
@@ -267,29 +165,63 @@ def understood(text: str, path: Path) -> LayoutFile:
         content = json.loads(text)
     except (ValueError, RecursionError) as error:
         raise InputError(f"{path} is not a layout file: it holds no valid JSON ({error})") from error
-    if not isinstance(content, dict) or content.get("format") != FORMAT:
+    kind = content.get("format") if isinstance(content, dict) else None
+    if kind == RINGS_FORMAT and not several:
+        raise InputError(f"{path} is a layout on several rings; camring evaluate and export take one, this does not")
+    if kind not in (FORMAT, RINGS_FORMAT):
         raise InputError(f'{path} is not a layout file: "format" must be "{FORMAT}"; camring optimise writes one')
     version = content.get("version")
     if version != VERSION or isinstance(version, bool):
         raise InputError(f"{path} has layout version {version!r}; only {VERSION} is known: update camring")
     try:
-        _refuse_unknown(content, FIELDS, "")
+        _refuse_unknown(content, FIELDS_OF_SEVERAL if kind == RINGS_FORMAT else FIELDS, "")
         _check_meshes(content)
-    except InputError as error:
-        raise InputError(f"{path}: {error}") from error
-    ring = content.get("ring")
-    if not isinstance(ring, dict) or not {"diameter_mm", "working_distance_mm", "fov_mm"} <= set(ring):
-        raise InputError(f'{path}: "ring" must give diameter_mm, working_distance_mm and fov_mm')
-    try:
-        _refuse_unknown(ring, tuple(RING.values()), ' in "ring"')
-        made = exact.Ring(**{name: ring[key] for name, key in RING.items() if key in ring})
-        angles = _angles(content)
-        rolls = _listed(content, "rolls", "rolls")
-        made.cameras(angles, rolls)
-        demand = _demand(content, made, len(angles))
+        if kind == RINGS_FORMAT:
+            rings, ring_of, angles = _on_rings(content)
+            rolls = None
+        else:
+            rings, angles = (_ring(content.get("ring"), '"ring"', ()),), _angles(content)
+            rolls = _listed(content, "rolls", "rolls")
+            ring_of = np.zeros(len(angles), dtype=int)
+            rings[0].cameras(angles, rolls)
+        demand = _demand(content, rings[0], len(angles))
     except (exact.ExactError, InputError) as error:
         raise InputError(f"{path}: {error}") from error
-    return LayoutFile(path, made, angles, rolls, demand, content)
+    return LayoutFile(path, rings, ring_of, angles, rolls, demand, content)
+
+
+def _ring(given: Any, where: str, more: tuple[str, ...]) -> exact.Ring:
+    """A ring; it may have fields of other names `more`."""
+    if not isinstance(given, dict) or not {"diameter_mm", "working_distance_mm", "fov_mm"} <= set(given):
+        raise InputError(f"{where} must give diameter_mm, working_distance_mm and fov_mm")
+    _refuse_unknown(given, (*RING.values(), *more), f" in {where}")
+    return exact.Ring(**{name: given[key] for name, key in RING.items() if key in given})
+
+
+def _on_rings(content: dict[str, Any]) -> tuple[tuple[exact.Ring, ...], np.ndarray, np.ndarray]:
+    """The rings, which of them each camera sits on, from 0, and ring angles [rad]."""
+    given, cameras = content.get("rings"), content.get("cameras")
+    if not isinstance(given, list) or not given:
+        raise InputError('"rings" must list at least one ring')
+    rings = tuple(_ring(one, f"ring {k} of " + '"rings"', (MOST_CAMERAS,)) for k, one in enumerate(given, start=1))
+    if not isinstance(cameras, list) or not cameras:
+        raise InputError('"cameras" must list at least one camera')
+    ring_of, angles = [], []
+    for number, camera in enumerate(cameras, start=1):
+        k = camera.get("ring") if isinstance(camera, dict) else None
+        if isinstance(k, bool) or not isinstance(k, int) or not 1 <= k <= len(rings):
+            raise InputError(
+                f'camera {number} of "cameras" must give its "ring", a whole number from 1 to {len(rings)}'
+            )
+        one = {f"angles_{unit}": [camera[key]] for unit in ("rad", "deg") if (key := f"ring_angle_{unit}") in camera}
+        found = _listed(one, "angles", f"ring angle of camera {number}")
+        if found is None:
+            raise InputError(f'camera {number} of "cameras" must give "ring_angle_rad" or "ring_angle_deg"')
+        ring_of.append(k - 1)
+        angles.append(float(found[0]))
+    if content.get("n_cameras", len(angles)) != len(angles):
+        raise InputError(f'"n_cameras" is {content["n_cameras"]!r}, and there are {len(angles)} cameras')
+    return rings, np.array(ring_of), np.array(angles)
 
 
 def _demand(content: dict[str, Any], ring: exact.Ring, n_cameras: int) -> exact.Demand:

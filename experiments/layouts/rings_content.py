@@ -6,13 +6,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from experiments.files.table import finite
-from experiments.request.layout_file import mesh_content, ring_content, scene_content
+from experiments.layouts.layout_content import mesh_content, ring_content, scene_content
 
 if TYPE_CHECKING:
     import placement
     from experiments.request.request import Request
 
-FORMAT, VERSION = "camring layout on several rings", 1
+RINGS_FORMAT, VERSION = "camring layout on several rings", 1
+# The most that a ring takes stands beside what it is.
+MOST_CAMERAS = "most_cameras"
 
 
 def rings_content(found: "placement.RingsPlacement", asked: "Request") -> dict[str, Any]:
@@ -22,12 +24,13 @@ def rings_content(found: "placement.RingsPlacement", asked: "Request") -> dict[s
     """
     most, n_poses = found.most_area, asked.n_poses
     return {
-        "format": FORMAT,
+        "format": RINGS_FORMAT,
         "version": VERSION,
         "rings": [
-            ring_content(ring) | {"most_cameras": takes} for ring, takes in zip(found.rings, found.most, strict=True)
+            ring_content(ring) | {MOST_CAMERAS: takes} for ring, takes in zip(found.rings, found.most, strict=True)
         ],
         "n_cameras": found.n_cameras,
+        "threshold": found.demand.threshold,
         "demand": asdict(found.demand),
         "cameras": _cameras(found.ring_of, found.angles),
         "area_mm2": found.area / n_poses,
