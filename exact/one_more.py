@@ -1,6 +1,9 @@
-"""Layouts that differ in one camera: the views of the others are counted once."""
+"""Layouts that differ in one camera: the views of the others are counted once.
 
-from collections.abc import Sequence
+Where one camera after another may move, `in_turn` counts the views of most of them for several turns at once.
+"""
+
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -9,7 +12,7 @@ import numpy as np
 import shapely
 
 from exact.cameras import Camera
-from exact.demand import Criterion, every_view
+from exact.demand import Criterion, Demand, every_view
 from exact.derivative.derivative import Derivative, MovingBorders, refuse_without_derivative
 from exact.predicted.errors import Errors, errors_over
 from exact.predicted.reconstructed import divided, reconstructed
@@ -57,8 +60,24 @@ class OneMore:
         self._scene, self._demand = scene, demand = checked(mesh, asked)
         self._others = others = checked_cameras(others) if len(others) else ()
         demand.refuse_fewer(len(others) + 1)
-        surface, criterion = scene.surface, self._so_far()
-        count = _of_others(scene, others, criterion)
+        criterion = self._so_far()
+        self._begin(len(others), _of_others(scene, others, criterion), criterion)
+
+    @classmethod
+    def _of(
+        cls, scene: Scene, demand: Demand, cameras: Sequence[Camera], place: int, count: Count, criterion: Criterion
+    ) -> "OneMore":
+        """With the views of all of some cameras but that at `place` counted already."""
+        made = cls.__new__(cls)
+        made._scene, made._demand = scene, demand
+        made._others = (*cameras[:place], *cameras[place + 1 :])
+        made._begin(place, count, criterion)
+        return made
+
+    def _begin(self, place: int, count: Count, criterion: Criterion) -> None:
+        """What the others decide, and what is left for the one more, which has its `place` among all of them."""
+        scene, demand, surface = self._scene, self._demand, self._scene.surface
+        self._place = place
         uncut = np.flatnonzero(scene.counted & ~count.is_cut & (surface.areas > 0))
         decided = np.zeros(len(surface.areas), dtype=bool)
         decided[uncut[criterion.met(count.whole_seen[uncut], uncut)]] = True
@@ -97,17 +116,19 @@ class OneMore:
         """
         refuse_without_derivative(self._demand)
         area, found, criterion = self._with(camera, replace(self._count, cuts=()))
-        cameras = (*self._others, camera)
-        every = MovingBorders.of(self._scene, self._demand, cameras, found).derivative(criterion)
-        return area, every.of_camera(len(self._others))
+        every = MovingBorders.of(self._scene, self._demand, self._all(camera), found).derivative(criterion)
+        return area, every.of_camera(self._place)
+
+    def _all(self, camera: Camera) -> tuple[Camera, ...]:
+        """(M,) the others and one more, in its place."""
+        return (*self._others[: self._place], *checked_cameras([camera]), *self._others[self._place :])
 
     def _with(self, camera: Camera, count: Count) -> tuple[float, Tally, Criterion]:
         """The area with one more camera, what all of them see of what it can decide, and by what that is decided."""
-        cameras = (*self._others, *checked_cameras([camera]))
-        surface = self._scene.surface
+        cameras, surface = self._all(camera), self._scene.surface
         criterion = self._demand.of(cameras, surface)
-        last = np.array([len(self._others)])
-        found = add_views(count, surface, cameras, last, np.zeros(len(cameras), dtype=bool), criterion).tally()
+        one = np.array([self._place])
+        found = add_views(count, surface, cameras, one, np.zeros(len(cameras), dtype=bool), criterion).tally()
         whole, pieces = reconstructed(surface, self._open, found, criterion)
         return self._base + self._worth(whole, pieces), found, criterion
 
@@ -223,6 +244,96 @@ class SeenWithOneMore:
         total = predictor.totals(np.asarray(mesh.triangles_center), attributes["seen"])
         attributes["error"] = predictor.deviations(demand.error, attributes["parent"], total)
         return mesh
+
+
+Turn = Callable[[int, list[OneMore]], Camera | None]
+
+
+def in_turn(
+    scenes: Sequence[Scene], cameras: Sequence[Camera], demand: Demand, which: Sequence[int], turn: Turn
+) -> tuple[Camera, ...]:
+    """Let one camera after another move, the others held.
+
+    To count the views of M - 1 others anew for each of M cameras takes M (M - 1) views. Here one half of those that may
+    move is counted, then each of the other half gets its turn in the same way, and the other way about, which takes
+    some M log M views.
+
+    Parameters
+    ----------
+    scenes : (S,) sequence of Scene
+    cameras : (M,) sequence of Camera
+    demand : Demand
+        Without a bound on the error.
+    which : sequence of int
+        Those that may move, in the order of their turns.
+    turn : callable
+        Takes the index of a camera and a `OneMore` of the others for each scene, and gives the camera that takes its
+        place; None leaves it.
+
+    Returns
+    -------
+    (M,) tuple of Camera
+        All of them, where they are now.
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> from exact import Ring
+    >>> scene, ring = Scene(trimesh.creation.box((10, 10, 1))), Ring(fov=(6, 6))
+    >>> told = []
+    >>> def turn(index, layouts):
+    ...     told.append((index, round(layouts[0].area(ring.cameras([2.0])[0]), 6)))
+    >>> _ = in_turn([scene], ring.cameras([0.0, 1.0, 1.5]), Demand(), [0, 2], turn)
+    >>> [index for index, _ in told], all(area > 0 for _, area in told)
+    ([0, 2], True)
+    """
+    cameras = list(cameras)
+    counted = np.zeros(len(cameras), dtype=bool)
+
+    def criterion(scene: Scene) -> Criterion:
+        # Cameras that are still to move see nothing yet, so that it does not matter where they are.
+        known = demand.of(cameras, scene.surface)
+        return known if known.far is None else replace(known, sets=True)
+
+    def added(counts: list[Count], more: Sequence[int], others: np.ndarray) -> list[Count]:
+        """With the views of `more` cameras beside the `others`, (M,) bool, which are counted already."""
+        if not len(more):
+            return counts
+        order = np.asarray(more)[spread_order([cameras[k] for k in more])]
+        found = []
+        for scene, count in zip(scenes, counts, strict=True):
+            coming = ~others
+            for block in np.split(order, range(BLOCK, len(order), BLOCK)):
+                coming[block] = False
+                count = add_views(count, scene.surface, cameras, block, coming, criterion(scene))
+            found.append(count)
+        return found
+
+    def turns(counts: list[Count], others: np.ndarray, inside: list[int]) -> None:
+        """The turns of the cameras `inside`, where the views of all `others` are counted."""
+        if len(inside) == 1:
+            (k,) = inside
+            layouts = [
+                OneMore._of(scene, demand, cameras, k, count, criterion(scene))
+                for scene, count in zip(scenes, counts, strict=True)
+            ]
+            cameras[k] = turn(k, layouts) or cameras[k]
+            return
+        half = (len(inside) + 1) // 2
+        for own, rest in ((inside[:half], inside[half:]), (inside[half:], inside[:half])):
+            with_rest = others.copy()
+            with_rest[rest] = True
+            turns(added(counts, rest, others), with_rest, own)
+
+    if which:
+        rest = np.delete(np.arange(len(cameras)), which)
+        start = [
+            Count.start(scene.counted & (scene.surface.areas > 0), len(cameras), scene.lit) for scene in scenes
+        ]  # fmt: skip
+        first = added(start, rest.tolist(), counted)
+        counted[rest] = True
+        turns(first, counted, list(which))
+    return tuple(cameras)
 
 
 def _of_others(scene: Scene, others: Sequence[Camera], criterion: Criterion) -> Count:

@@ -7,7 +7,7 @@ import numpy as np
 
 import exact
 from placement.rings.ring_places import Places, RingsSpace, cameras_of
-from placement.search.polish import WINDOW, Along, combined, into_sight, polish, turned
+from placement.search.polish import WINDOW, Move, combined, into_sight, moved_in_turn, polish, turned
 from placement.search.ring_maximum import RingMaximum
 from placement.search.scoring import squared_errors
 from placement.search.steps import polish_by_steps
@@ -110,16 +110,10 @@ class _OnRings:
         slopes = [np.array([self._slope(one.of_camera(i), i) for i in range(len(cameras))]) for one in found]
         return self._combined([one.area for one in found], slopes)
 
-    def of_one(self, angles: np.ndarray, camera: int) -> Along:
-        layouts = self._with_one_more(angles, camera)
-
-        def along(angle: float) -> tuple[float, float]:
-            found = [layout.gradient(self._camera(camera, angle)) for layout in layouts]
-            slopes = [np.array([self._slope(derivative, camera)]) for _, derivative in found]
-            fraction, slope = self._combined([area for area, _ in found], slopes)
-            return fraction, float(slope[0])
-
-        return along
+    def in_turn(self, angles: np.ndarray, cameras: Sequence[int], move: Move) -> np.ndarray:
+        scenes = [site.scene for site in self.scorer.sites.members]
+        rings = [self.scorer.space.rings[k] for k in self.ring]
+        return moved_in_turn(scenes, rings, angles, self.scorer.demand, cameras, move, self._combined)
 
     def jumps(self, angles: np.ndarray, camera: int, faces: bool) -> np.ndarray:
         ring, angle = self.scorer.space.rings[self.ring[camera]], angles[camera]

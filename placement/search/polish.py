@@ -7,6 +7,7 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 
 import exact
+from exact.one_more import in_turn
 from exact.workers import processes
 from placement.layouts.arcs import LayoutSpace
 from placement.sites import Sites
@@ -32,7 +33,10 @@ JOINT_STEPS = np.radians([0.5, 0.1, 0.02])
 # rounded when they are written.
 HALVINGS, CLEARANCE = 40, 1e-9
 
+# Fraction and derivative by the ring angle of one camera, the others held.
 Along = Callable[[float], tuple[float, float]]
+# Takes (M,) ring angles, the camera whose turn it is, and the fraction along its own; gives its new one [rad], or None.
+Move = Callable[[np.ndarray, int, Along], float | None]
 
 
 @runtime_checkable
@@ -47,8 +51,8 @@ class Sloping(Protocol):
         """How far a camera would have to go [rad] to where the area jumps up, within the window."""
         ...
 
-    def of_one(self, angles: np.ndarray, camera: int) -> Along:
-        """The same as a function of the ring angle of one camera, the others held."""
+    def in_turn(self, angles: np.ndarray, cameras: Sequence[int], move: Move) -> np.ndarray:
+        """Let one camera after another move; (M,) the ring angles [rad] of all of them then."""
         ...
 
 
@@ -120,19 +124,37 @@ class Slopes:
         offset = np.concatenate(found)
         return offset[np.abs(offset) <= WINDOW]
 
-    def of_one(self, angles: np.ndarray, camera: int) -> Along:
-        """The same as a function of the ring angle of one camera, the others held; their views are counted once."""
-        others = self.ring.cameras(np.delete(angles, camera)) if len(angles) > 1 else ()
-        layouts = [exact.OneMore(scene, others, demand=self.demand) for scene in self.scenes]
+    def in_turn(self, angles: np.ndarray, cameras: Sequence[int], move: Move) -> np.ndarray:
+        """Let one camera after another move; (M,) the ring angles [rad] of all of them then."""
+        return moved_in_turn(self.scenes, [self.ring] * len(angles), angles, self.demand, cameras, move, self._combined)
 
+
+def moved_in_turn(
+    scenes: Sequence[exact.Scene], rings: Sequence[exact.Ring], angles: np.ndarray, demand: exact.Demand,
+    which: Sequence[int], move: Move, combine: Callable[[list[float], list[np.ndarray]], tuple[float, np.ndarray]],
+) -> np.ndarray:  # fmt: skip
+    """(M,) ring angles [rad] after each camera `which`, on its ring of (M,) `rings`, had its turn to `move`."""
+    theta = np.array(angles, dtype=np.float64)
+
+    def camera(k: int, angle: float) -> exact.Camera:
+        (one,) = rings[k].cameras([angle])
+        return one
+
+    def turn(k: int, layouts: list[exact.OneMore]) -> exact.Camera | None:
         def along(angle: float) -> tuple[float, float]:
-            (one,) = self.ring.cameras([angle])
-            found = [layout.gradient(one) for layout in layouts]
-            areas, slopes = [area for area, _ in found], [found.on_ring(self.ring).angle for _, found in found]
-            fraction, slope = self._combined(areas, slopes)
+            found = [layout.gradient(camera(k, angle)) for layout in layouts]
+            slopes = [derivative.on_ring(rings[k]).angle for _, derivative in found]
+            fraction, slope = combine([area for area, _ in found], slopes)
             return fraction, float(slope[0])
 
-        return along
+        angle = move(theta, k, along)
+        if angle is None:
+            return None
+        theta[k] = angle
+        return camera(k, angle)
+
+    in_turn(scenes, [camera(k, angle) for k, angle in enumerate(theta.tolist())], demand, which, turn)
+    return theta
 
 
 def combined(
@@ -206,15 +228,22 @@ def polish(slopes: Sloping, space: Room, angles, max_sweeps: int, thorough: bool
     places, settled = (MANY_PLACES, SETTLED) if thorough else (FEW_PLACES, NEARLY_SETTLED)
     free = [int(camera) for camera in space.free_cameras(theta)]
     waiting, turns = list(free), max_sweeps * len(free)
-    while waiting and turns > 0:
-        camera, turns = waiting.pop(0), turns - 1
-        looked_at = np.concatenate([places, slopes.jumps(theta, camera, thorough)])
-        at, gain, tried = _best_place(slopes.of_one(theta, camera), theta, camera, space, looked_at, settled)
+
+    def move(angles: np.ndarray, camera: int, along: Along) -> float | None:
+        nonlocal n_tried, turns, waiting
+        waiting.remove(camera)
+        if turns == 0:
+            return None
+        turns -= 1
+        looked_at = np.concatenate([places, slopes.jumps(angles, camera, thorough)])
+        at, gain, tried = _best_place(along, angles, camera, space, looked_at, settled)
         n_tried += tried
-        if gain > WORTHWHILE:
-            theta[camera] = at
         if gain > settled:
             waiting += [other for other in free if other not in waiting]
+        return at if gain > WORTHWHILE else None
+
+    while waiting and turns > 0:
+        theta = slopes.in_turn(theta, list(waiting), move)
         if not waiting:
             theta, gain, tried = _joint_step(slopes, theta, free, space, settled)
             n_tried += tried

@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import exact
+from exact.one_more import in_turn
 from tests.support.random_requests import MESHES, close, few, mesh_names, request, seeds
 
 thresholds = st.integers(1, 3)
@@ -39,6 +40,36 @@ def check_one_more(name, seed, threshold, with_baseline, **more):
     for camera in cameras[3:]:
         alone = exact.evaluate(mesh, [*cameras[:3], camera], **asked)
         assert close(others.area(camera), alone.area, mesh)
+
+
+@settings(few, max_examples=8)
+@given(mesh_names, seeds, thresholds, st.booleans(), st.booleans(), st.integers(2, 6))
+def test_cameras_that_move_in_turn(name, seed, threshold, with_baseline, with_more, n_cameras):
+    """Each sees where those before it went, and the area is that of all of them as they are at its turn."""
+    rng, mesh, cameras = request(seed, name, n_cameras + 3)
+    exclude, weights = counted(rng, mesh)
+    apart = float(np.linalg.norm(cameras[0].position - cameras[1].position)) if with_baseline else 0.0
+    steepest = {"max_disparity_gradient": 0.5} if with_more and threshold > 1 else {}
+    limits = exact.Limits(max_incidence=1.2) if with_more else exact.Limits()
+    demand = exact.Demand(min(threshold, n_cameras), apart, limits=limits, **steepest)
+    scenes = [exact.Scene(mesh, exclude, weights), exact.Scene(mesh, lights=((5.0, 8.0, 300.0),))]
+    now, new = list(cameras[:n_cameras]), list(cameras[n_cameras:])
+    which = rng.permutation(n_cameras)[: rng.integers(1, n_cameras + 1)].tolist()
+    had = []
+
+    def turn(k, layouts):
+        had.append(k)
+        for one in (now[k], new[0]):
+            for scene, layout in zip(scenes, layouts, strict=True):
+                every = [*now[:k], one, *now[k + 1 :]]
+                assert close(layout.area(one), exact.evaluate(scene, every, demand=demand).area, mesh)
+        if not new[1:]:
+            return None
+        now[k] = new.pop(0)
+        return now[k]
+
+    moved = in_turn(scenes, cameras[:n_cameras], demand, which, turn)
+    assert had == which and list(moved) == now
 
 
 @settings(few, max_examples=6)

@@ -89,8 +89,13 @@ def test_slopes_are_those_of_the_fraction(walls):
     slopes, layout = slopes_of(walls), np.array([0.3, 1.1, 4.0])
     fraction, slope = slopes.of_all(layout)
     assert fraction == exact.evaluate(walls, RING.cameras(layout)).area / RING_AREA
-    for camera in range(3):
-        value, alone = slopes.of_one(layout, camera)(layout[camera])
+    own = {}
+
+    def looked_at(angles, camera, along):
+        own[camera] = along(angles[camera])
+
+    assert slopes.in_turn(layout, [2, 0, 1], looked_at).tolist() == layout.tolist() and list(own) == [2, 0, 1]
+    for camera, (value, alone) in own.items():
         assert (value, alone) == pytest.approx((fraction, slope[camera]), rel=1e-10)
         step = 1e-5 * np.eye(3)[camera]
         high, low = (slopes.of_all(layout + by)[0] for by in (step, -step))
