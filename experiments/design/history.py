@@ -101,6 +101,10 @@ class History:
             self._forget(min(set(self.tried) - {self.at}))
         return number
 
+    def change(self, number: int, design: Design) -> None:
+        """Put another design in the place of one that was tried: a search has got farther."""
+        self.tried[number] = replace(self.tried[number], design=design, numbers=None)
+
     def go(self, number: int) -> None:
         """Look at one that was tried before.
 

@@ -9,7 +9,7 @@ import numpy as np
 
 import exact
 import placement
-from experiments.design.design import MOST_CAMERAS, Design
+from experiments.design.design import MOST_CAMERAS, SAME_ANGLE, Design
 from experiments.design.history import History, Numbers, Tried
 from experiments.design.settings import SETTINGS
 from experiments.files.errors import InputError
@@ -19,6 +19,8 @@ from placement.layouts.arcs import LayoutSpace
 
 # What a message of the page may hold.
 LARGEST_ANGLE = 1e4
+# Of angles that are shown, half the last digit [rad], and some rounding.
+SHOWN = 1e-5
 # A layout file has some ten kilobytes.
 MOST_TEXT = 500_000
 
@@ -68,6 +70,8 @@ class Session:
         The camera that was moved last, and is likely to be moved next.
     why : str
         What to call what the hand holds once it is let go.
+    remark : str
+        What to say of what was done last, if it is not quite what was asked for.
     """
 
     reader: Reader
@@ -75,6 +79,7 @@ class Session:
     hand: Design | None = None
     moved: int | None = None
     why: str = ""
+    remark: str = ""
 
     @property
     def shown(self) -> Design:
@@ -95,6 +100,7 @@ class Session:
         fields, action = ACTIONS[kind]
         if set(message) != {"do", *fields}:
             raise InputError(f"a message {kind!r} has {', '.join(fields) or 'nothing'} beside")
+        self.remark = ""
         action(self, *[_checked(self, name, message[name]) for name in fields])
         return kind not in ("drag", "nudge", "turn")
 
@@ -118,6 +124,7 @@ class Session:
             "positions": design.ring.positions(design.angles).tolist(),
             "settings": {name: setting.value(design) for name, setting in SETTINGS.items()},
             "words": design.whole.words,
+            "error_words": error_words(design.whole),
             "held": self.hand is not None,
             "at": self.history.at,
         }
@@ -136,6 +143,37 @@ class Session:
         return self.history.know(design, numbers)
 
 
+def nothing_seen(scene: exact.Scene, ring: exact.Ring) -> str:
+    """What to do about a mesh of which no camera sees anything that counts."""
+    vertices = scene.surface.vertices
+    spans = ", ".join(
+        f"{axis} from {low:.4g} to {high:.4g}"
+        for axis, low, high in zip("xyz", vertices.min(axis=0), vertices.max(axis=0), strict=True)
+    )
+    focus = ", ".join(f"{part:g}" for part in ring.focus)
+    return (
+        f"no camera sees any of the surface that counts: it reaches {spans} mm, and the ring looks at ({focus}) from "
+        f"{ring.working_distance:g} mm; start camring design again with --place auto, which puts the ring over the "
+        "surface, or with --focus, --axis, --scale or --repair"
+    )
+
+
+def error_words(demand: exact.Demand) -> str:
+    """What predicted errors are based on.
+
+    Examples
+    --------
+    >>> error_words(exact.Demand())
+    'Errors are one standard deviation along depth, for matches to 0.5 px on images of 3600 x 2400 px'
+    """
+    (width, height), noise = demand.optics.resolution, demand.optics.match_noise
+    along = "depth" if demand.error == "depth" else "the normal"
+    return (
+        f"Errors are one standard deviation along {along}, for matches to {noise:g} px on images of {width:g} x "
+        f"{height:g} px"
+    )
+
+
 def _told(one: Tried) -> dict[str, Any]:
     numbers = one.numbers
     return {
@@ -147,8 +185,23 @@ def _told(one: Tried) -> dict[str, Any]:
 
 
 def _drag(session: Session, camera: int, angle: float) -> None:
+    if abs(np.sin((angle - session.shown.angles[camera]) / 2)) < SAME_ANGLE:  # a hand on it that has not moved it yet
+        session.moved = camera
+        return
     session.hand, session.moved = session.shown.moved(camera, angle), camera
     session.why = f"camera {camera + 1} moved"
+
+
+def _put(session: Session, camera: int, angle: float) -> None:
+    design = session.shown.moved(camera, angle)
+    there = design.angles[camera]
+    if abs(np.sin((there - angle) / 2)) > SHOWN:
+        session.remark = (
+            f"camera {camera + 1} cannot sit at {np.degrees(angle):g}°: another camera or a forbidden arc is too near; "
+            f"the nearest place is {np.degrees(there):.3f}°"
+        )
+    session.moved = camera
+    session.try_out(design, f"camera {camera + 1} moved")
 
 
 def _nudge(session: Session, camera: int, by: float) -> None:
@@ -236,6 +289,7 @@ def _open(session: Session, text: str) -> None:
 # What each message asks for: the names of what it holds, and what is done.
 ACTIONS: dict[str, tuple[tuple[str, ...], Callable[..., None]]] = {
     "drag": (("camera", "angle"), _drag),
+    "put": (("camera", "angle"), _put),
     "nudge": (("camera", "by"), _nudge),
     "turn": (("name", "value"), _turn),
     "drop": ((), _drop),

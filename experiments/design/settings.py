@@ -13,6 +13,10 @@ REACH = 3.0
 FROM_NOTHING = ("threshold", "min_separation", "min_baseline", "min_angle")
 # What no number of a request is above; the classes that take it refuse what makes no sense below that.
 LARGEST = 1e7
+# What limits begin with once there is to be one.
+LIKELY = {
+    "max_error": 0.2, "max_disparity_gradient": 0.5, "max_incidence": 80.0, "min_pixel_density": 200.0, "max_blur": 5.0,
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -94,12 +98,22 @@ class Setting:
         """For the page: its slider goes to either side of what it is in the design that it begins with."""
         least, most = self.span
         start = self.value(first)
+        needs = ""
+        if self.field == "max_blur" and first.demand.optics.pupil is None:
+            needs = "the pupil of the optics is not known; start camring design with --pupil, as in --pupil 1.5"
         if start and not self.optional and self.field not in FROM_NOTHING:
             least, most = start / REACH, start * REACH
         return {
             "name": self.name, "label": self.label, "unit": self.unit, "least": _rounded(least, self.step),
-            "most": _rounded(most, self.step), "step": self.step, "optional": self.optional,
+            "most": _rounded(most, self.step), "step": self.step, "optional": self.optional, "needs": needs,
+            "likely": self._likely(first),
         }  # fmt: skip
+
+    def _likely(self, first: Design) -> float | None:
+        """What a limit begins with once there is to be one."""
+        if self.field == "depth_of_field":
+            return _rounded(first.ring.working_distance * (0.95, 1.05)[self.index or 0], self.step)
+        return LIKELY.get(self.field)
 
 
 SETTINGS = {

@@ -12,8 +12,9 @@ from experiments.design.curves import CURVES
 from experiments.design.design import Design
 from experiments.design.history import Numbers
 from experiments.design.sampled import SampledAreas
-from experiments.design.session import Session
+from experiments.design.session import Session, nothing_seen
 from experiments.design.settings import SETTINGS
+from experiments.design.window import Window
 from experiments.design.worker import Answer, Asked, Worker, refusal
 from experiments.files.errors import InputError
 from experiments.files.whole import written_whole
@@ -28,27 +29,6 @@ PAUSE = 0.04
 # The ring maximum takes seconds; it is asked for when ring and demand have been the same for this long [s].
 RING_PAUSE = 1.0
 BUSY = "a search or a file is under way; wait, or stop it"
-
-
-class Window:
-    """One window: of each kind of message only the latest is still to be sent."""
-
-    def __init__(self) -> None:
-        self._due: dict[str, str | bytes] = {}
-        self._is_due = asyncio.Event()
-
-    def put(self, kind: str, message: str | bytes) -> None:
-        """Have a message sent, in place of one of the same kind that has not been yet."""
-        self._due.pop(kind, None)
-        self._due[kind] = message
-        self._is_due.set()
-
-    async def next(self) -> str | bytes:
-        """The next message; waits for one."""
-        while not self._due:
-            self._is_due.clear()
-            await self._is_due.wait()
-        return self._due.pop(next(iter(self._due)))
 
 
 class Studio:
@@ -85,6 +65,7 @@ class Studio:
         self._job: dict[str, Any] | None = None
         self._job_number = 0
         self._job_at = 0
+        self._job_found: int | None = None  # the layout tried that the job under way has found
         self._curves: dict[str, dict[str, Any]] = {}
         self._file: asyncio.Future[bytes] | None = None
 
@@ -123,6 +104,8 @@ class Studio:
             "name": self._session.reader.name,
             "settings": [setting.described(self._first) for setting in SETTINGS.values()],
             "faces": self._asked.poses[0].scene.n_faces,
+            "give_up": self._asked.rig.give_up,
+            "ring_cameras": self._asked.rig.settings.ring_cameras,
         }
         window.put("hello", _text("hello", hello))
         window.put("history", _text("history", self._session.tried()))
@@ -154,6 +137,8 @@ class Studio:
             elif self._session.act(message):
                 self._has_changed.set()
                 self._tell("history", self._session.tried())
+                if self._session.remark:
+                    window.put("said", _text("said", {"words": self._session.remark}))
         except Exception as error:
             window.put("said", _text("said", {"words": refusal(error)}))
             window.put("state", self._state())
@@ -178,6 +163,8 @@ class Studio:
         design, moved = self._session.shown, self._session.moved
         if design != self._design:
             self._design, self._found, self._number = design, {}, self._number + 1
+            if self._session.hand is None:  # of a hand that moves, the estimate comes along
+                self._tell("state", None)
             self._has_moved.set()
             if self._pause is not None:
                 self._pause.cancel()
@@ -188,6 +175,7 @@ class Studio:
             self._tell("state", None)
             if moved != self._moved:  # a hand on another camera: what the others see will be known when it moves
                 self._ask()
+            self._know()  # of what a hand held before it was let go
         self._moved = moved
 
     def _ask(self) -> None:
@@ -255,7 +243,11 @@ class Studio:
         else:
             self._found[answer.kind] = answer.found
         self._tell("state", None)
-        if answer is not None and {"exact", "equidistant"} <= set(self._found) and self._design is not None:
+        self._know()
+
+    def _know(self) -> None:
+        """Note the numbers of what is looked at, once all are there."""
+        if {"exact", "equidistant"} <= set(self._found) and self._design is not None:
             ours, even = self._found["exact"], self._found["equidistant"]
             numbers = Numbers(ours["area"], ours["error"], even["area"], even["error"])
             if self._session.know(self._design, numbers):
@@ -274,18 +266,29 @@ class Studio:
                 "equidistant": self._found.get("equidistant"),
                 "ring": {"area": self._ring_areas[self._ring_key]} if self._ring_key in self._ring_areas else None,
                 "refused": self._found.get("refused"),
+                "nothing": self._nothing(),
             },
         )
+
+    def _nothing(self) -> str | None:
+        """What to say if no camera sees anything that counts; None if one does, or it is not known yet."""
+        seen = self._found.get("exact")
+        if self._design is None or seen is None or any(seen["cameras"]):
+            return None
+        return nothing_seen(self._asked.poses[0].scene, self._design.ring)
 
     # What helps along.
 
     def _begin(self, what: str, design: Design) -> None:
         if self._job is not None:
             raise InputError(BUSY)
+        if (nothing := self._nothing()) is not None:
+            raise InputError(nothing)
         if self._search is None:
             self._search = Worker(searches.serve, (self._asked,), self._from_thread(self._searched))
         self._job_number += 1
         self._job_at = self._session.history.at
+        self._job_found = None
         self._job = {"what": what, "stage": "starting", "done": 0, "total": 0}
         if what in CURVES:
             n, diameter = len(design.angles), design.ring.diameter
@@ -327,9 +330,14 @@ class Studio:
         session = self._session
         is_waited_for = session.hand is None and session.history.at == self._job_at
         why = FOUND[(self._job or {})["what"]]
-        number = session.history.add(design, why, look=is_waited_for)
-        if is_waited_for:
-            self._job_at = number
+        if self._job_found is not None:  # it goes on from there
+            session.history.change(self._job_found, design)
+        else:
+            before = session.history.at
+            number = session.history.add(design, why, look=is_waited_for)
+            self._job_found = None if number == before else number
+            if is_waited_for:
+                self._job_at = number
         self._has_changed.set()
         self._tell("history", session.tried())
         self._look()

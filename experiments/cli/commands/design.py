@@ -14,6 +14,7 @@ from experiments.files.whole import output_folder
 from experiments.layouts import layout_file
 from experiments.request import rig as rig_file
 from experiments.request.options import keys
+from experiments.request.outlook import seen
 from experiments.request.request import Request, request
 from experiments.request.rig import overridden
 from experiments.terminal.console import note, print_json
@@ -42,7 +43,7 @@ def run(
     refuse_without("design", "camring design")
     from experiments.design import server
     from experiments.design.history import History
-    from experiments.design.session import Reader, Session
+    from experiments.design.session import Reader, Session, nothing_seen
     from experiments.design.studio import Studio
 
     if layout is not None:
@@ -64,6 +65,8 @@ def run(
         given = {name for name, value in options.items() if value is not None}
         if made is not None or rig_path is not None or given - {*MESH, "seed"}:
             history.add(first, why)
+    if not seen(asked.subjects[0].mesh, asked.ring).in_view:
+        note(f"warning: {nothing_seen(asked.poses[0].scene, asked.ring)}")
     studio = Studio(asked, Session(reader, history), kept)
     studio.keep()
 
@@ -100,7 +103,7 @@ def _first(asked: Request, made: layout_file.LayoutFile | None, options: dict[st
         return first_design(asked.ring, asked.rig)
     made.refuse_other_mesh(asked.subjects[0].mesh, asked.name, force=None)
     demand = overridden(made.moved_to(asked.ring), options)
-    return reader.design(replace(made, ring=asked.ring, demand=demand))
+    return reader.design(replace(made, rings=(asked.ring,), demand=demand))
 
 
 def _refuse_beside_layout(rig_path: Path | None, options: dict[str, Any]) -> None:

@@ -17,11 +17,18 @@ export function connect(hear, gone) {
     };
   }
 
+  /* Until the server answers, nothing is known of what comes of it. */
+  function post(message) {
+    if (socket.readyState !== WebSocket.OPEN) return;
+    document.documentElement.dataset.numbers = "asked";
+    socket.send(JSON.stringify(message));
+  }
+
   function flush() {
     if (latest === null) return;
     const message = latest;
     latest = null;
-    if (socket.readyState === WebSocket.OPEN) socket.send(JSON.stringify(message));
+    post(message);
   }
 
   open();
@@ -29,7 +36,7 @@ export function connect(hear, gone) {
     /* What must arrive. */
     send(message) {
       flush();
-      if (socket.readyState === WebSocket.OPEN) socket.send(JSON.stringify(message));
+      post(message);
     },
     /* Where the hand is; a later place goes for it. */
     move(message) {

@@ -48,7 +48,11 @@ export class Numbers {
     put(at("even-fraction"), evenFraction, 2);
     put(at("fraction-gain"), difference(fraction, evenFraction), 2, true);
     put(at("worse"), difference(error, even ? even.error : missing), 4, true);
+    for (const [id, isWorse] of [["gain", (value) => value < 0], ["fraction-gain", (value) => value < 0], ["worse", (value) => value > 0]]) {
+      at(id).classList.toggle("worse", isWorse(Number(at(id).textContent)));
+    }
     at("words").textContent = state.words + (state.even_breaks.length ? ` (the equidistant layout breaks the constraints: ${state.even_breaks[0]})` : "");
+    at("error-words").textContent = state.error_words;
     if (exact.is_whole && !this.wasWhole) performance.mark("exact numbers shown");
     this.wasWhole = exact.is_whole;
     document.documentElement.dataset.ring = state.ring ? "known" : "computing";
@@ -76,8 +80,7 @@ export class Numbers {
     const angle = element("input", { type: "number", step: "any", "aria-label": `ring angle of ${name} in degrees` });
     angle.addEventListener("change", () => {
       if (!Number.isFinite(angle.valueAsNumber)) return;
-      this.link.send({ do: "drag", camera: number, angle: angle.valueAsNumber / DEGREES });
-      this.link.send({ do: "drop" });
+      this.link.send({ do: "put", camera: number, angle: angle.valueAsNumber / DEGREES });
       angle.blur();
     });
     const fixed = element("input", { type: "checkbox", "aria-label": `${name} is fixed` });

@@ -36,11 +36,12 @@ export class Request {
       number.blur();
     });
     box?.addEventListener("change", () => {
-      this.link.send(turn(box.checked ? slider.valueAsNumber : null));
+      this.link.send(turn(box.checked ? setting.likely ?? slider.valueAsNumber : null));
       this.link.send({ do: "drop" });
     });
+    if (box && setting.needs) box.disabled = true;
     this.rows.set(setting.name, { slider, number, box });
-    const name = element("label", { className: "name" }, ...(box ? [box] : []), setting.label);
+    const name = element("label", { className: "name", title: setting.needs }, ...(box ? [box] : []), setting.label);
     const value = element("span", {}, number, element("span", { className: "unit" }, setting.unit));
     return element("div", { className: "setting" }, name, slider, value);
   }

@@ -4,9 +4,10 @@ import { DEGREES, RADIUS, arc, onRing, svg } from "./parts.js";
 const STEP = 1 / DEGREES, SMALL = 0.1 / DEGREES;
 
 export class Ring {
-  constructor(drawing, link) {
+  constructor(drawing, link, say) {
     this.drawing = drawing;
     this.link = link;
+    this.say = say;
     this.held = null;
     this.state = null;
     this.back = drawing.appendChild(svg("g"));
@@ -40,7 +41,10 @@ export class Ring {
   pressed(event, number) {
     event.preventDefault();
     this.cameras[number].focus();
-    if (this.state.fixed[number]) return;
+    if (this.state.fixed[number]) {
+      this.say(`camera ${number + 1} is fixed; press F, or untick it in the table, to let it go`);
+      return;
+    }
     this.held = number;
     this.cameras[number].classList.add("held");
     this.drawing.setPointerCapture(event.pointerId);

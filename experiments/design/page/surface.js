@@ -119,7 +119,7 @@ export class Surface {
       const scale = (ramp.length - 1) / Math.max(greatest - least, 1e-12);
       return [(i) => {
         if (seen[i] < COUNTED) return pick(most + 2);
-        if (!Number.isFinite(errors[i])) return pick(0);
+        if (!Number.isFinite(errors[i])) return pick(most + 4);
         return ramp[Math.min(ramp.length - 1, Math.max(0, Math.round((errors[i] - least) * scale)))];
       }, used];
     }
@@ -147,7 +147,7 @@ export class Surface {
     const { head } = this.data, isError = this.choice.value === "error";
     const items = [...used].sort((a, b) => a - b).map((index) => {
       const [words, colour] = head.shades[index];
-      return element("li", {}, patch(colour), isError && index === 0 ? "not reconstructed" : words);
+      return element("li", {}, patch(colour), isError && index === head.most + 4 ? "not reconstructed" : words);
     });
     if (isError) items.unshift(this.ramp(head));
     this.legend.replaceChildren(...items);
