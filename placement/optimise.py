@@ -49,7 +49,8 @@ def optimise(
         `settings.certificate_seconds`; a better layout found on the way is taken.
     give_up : float
         Coverage that may be given up for accuracy, as a fraction of the ring maximum: of layouts within so much of the
-        greatest exact area found the one with the least error is proposed. 0 proposes the one with the greatest area.
+        greatest exact area found, and with no less than equidistant ones, the one with the least error is proposed. 0
+        proposes the one with the greatest area.
     starts : sequence of (K,) array_like
         Known layouts [rad] of at most M cameras to start from too, as those found for M - 1: what is missing is added,
         so that `most_area` reconstructs at least as much as each of them that leaves room for it.
@@ -60,8 +61,8 @@ def optimise(
     Returns
     -------
     Placement
-        `most_area` is never worse than the best equidistant layout tried that meets the constraints, and the layout
-        proposed at most by `give_up`.
+        Neither `most_area` nor the layout proposed ever has less area than the best equidistant layout tried that meets
+        the constraints.
 
     Raises
     ------

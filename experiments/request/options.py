@@ -156,7 +156,7 @@ BESIDE_CLASSES = (
     Option(
         "give_up", "search", NUMBER, 0.005,
         "Coverage that may be given up for accuracy, as a fraction of the ring maximum: of layouts within so much of "
-        "the greatest area the one with the least error is proposed.",
+        "the greatest area, and with no less than equidistant ones, the one with the least error is proposed.",
     ),
     Option("certify", "search", FLAG, True, "Whether to bound what any layout could reconstruct."),
     Option(

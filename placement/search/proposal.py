@@ -133,7 +133,10 @@ def propose(
     report("polishing", 2, 2)
 
     best = max(range(len(even)), key=lambda i: scorer.fraction(even[i]))
-    proposed = _most_accurate(scored, coverage, max(scored[0].fraction - give_up, min(target, scored[0].fraction)))
+    least = least_proposed(
+        scored[0].fraction, give_up, target, [scorer.fraction(one) for one in even if space.allows(one)]
+    )
+    proposed = _most_accurate(scored, coverage, least)
     compared = [proposed.angles, scored[0].angles, even[0], even[best]]
     errors = scorer.errors(compared) if space.n_cameras > 1 else [np.inf] * len(compared)
     if errors[1] < errors[0]:  # samples are not exact
@@ -191,6 +194,19 @@ def _polished(
     best = max(ends, key=scorer.fraction)
     end, n = polish(slopes, space, best, settings.polish_sweeps, thorough=True)
     return [end, *ends], n_moves + n
+
+
+def least_proposed(best: float, give_up: float, target: float, equidistant: Sequence[float]) -> float:
+    """The least fraction that is proposed for the sake of accuracy, never less than equidistant layouts have.
+
+    Examples
+    --------
+    >>> least_proposed(0.97, 0.01, 0.0, [0.95]), least_proposed(0.97, 0.01, 0.965, [0.95])
+    (0.96, 0.965)
+    >>> least_proposed(0.97, 0.01, 0.98, []), least_proposed(0.97, 0.05, 0.0, [0.94, 0.95])
+    (0.97, 0.95)
+    """
+    return max(best - give_up, min(target, best), *equidistant)
 
 
 def _most_accurate(scored: list[Candidate], coverage: SampledCoverage, least: float) -> Candidate:

@@ -11,7 +11,7 @@ from placement.layouts.arcs import LayoutSpace
 from placement.progress import Progress, nothing
 from placement.results import Candidate, Placement
 from placement.samples.rolled_samples import RolledSamples, canonical_rolled
-from placement.search.proposal import GIVE_UP, propose
+from placement.search.proposal import GIVE_UP, least_proposed, propose
 from placement.search.rolled_coverage import RolledCoverage, RolledLayout
 from placement.search.rolled_scoring import RolledScorer
 from placement.search.rolled_search import accurate_rolled, rolled_search
@@ -65,7 +65,8 @@ def propose_layout(
         if scorer.fraction(polished) > scored[0].fraction:
             scored.insert(0, candidate(polished, "polish"))
     report("polishing", 1, 1)
-    least = max(scored[0].fraction - give_up, min(target, scored[0].fraction))
+    even = [found.fraction for found in radial.candidates if found.origin == "equidistant"]
+    least = least_proposed(scored[0].fraction, give_up, target, even)
     near = [found for found in scored if found.fraction >= least]
     proposed = scored[0] if len(near) == 1 else min(near, key=lambda found: coverage.error(_layout(found)))
     errors = [scorer.error(_layout(found)) if space.n_cameras > 1 else np.inf for found in (proposed, scored[0])]
