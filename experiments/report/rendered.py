@@ -37,6 +37,7 @@ def rendered(template: str, made: request_text.Made, drawn: DrawnSurface, **own:
         plotly=packed(get_plotlyjs().encode("utf-8")),
         rig=request_text.rig(made),
         command=request_text.command(made),
+        evaluation=request_text.evaluation(made),
         seed=content["seed"],
         hashes=[(about["name"], about["sha256"]) for about in content["meshes"]],
         versions=content["versions"],

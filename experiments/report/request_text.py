@@ -1,6 +1,7 @@
 """What a report says of the request: what was asked, and how to get the same layout again."""
 
 import shlex
+from collections.abc import Sequence
 from dataclasses import fields, replace
 from typing import Any, NamedTuple
 
@@ -111,13 +112,27 @@ def roll_words(ring: exact.Ring) -> str:
 
 def command(made: Made) -> str:
     """The command line that asks for the same again, with `rig` as rig.toml."""
-    words = []
-    for mesh in made.content["meshes"]:
-        known = _built_in(mesh["sha256"])
-        words.append(mesh["name"] if known is None else f"{known[0]}@{known[1]:g}")
-    details = [found[2] for mesh in made.content["meshes"] if (found := _built_in(mesh["sha256"]))]
-    detail = ["--detail", details[0]] if details else []
-    return shlex.join(["camring", "optimise", *words, *detail, "--rig", "rig.toml", "--report"])
+    return shlex.join(["camring", "optimise", *_mesh_words(made.content["meshes"]), "--rig", "rig.toml", "--report"])
+
+
+def evaluation(made: Made) -> str:
+    """The command line that gives the area of exactly this layout on its first mesh, with `rig` as rig.toml."""
+    mesh, content = _mesh_words(made.content["meshes"][:1]), made.content
+    if len(made.rings) > 1 or "rolls_rad" in content:
+        file = "several_rings.json" if len(made.rings) > 1 else "layout.json"
+        return shlex.join(["camring", "evaluate", *mesh, "--layout", file])
+    angles = ",".join(str(angle) for angle in _degrees(content["angles_rad"]))
+    return shlex.join(["camring", "evaluate", *mesh, "--rig", "rig.toml", "--angles-deg", angles])
+
+
+def _mesh_words(meshes: Sequence[dict[str, Any]]) -> list[str]:
+    """How a command names meshes: sites by name, depth and detail."""
+    known = [_built_in(mesh["sha256"]) for mesh in meshes]
+    words = [
+        mesh["name"] if site is None else f"{site[0]}@{site[1]:g}" for mesh, site in zip(meshes, known, strict=True)
+    ]
+    details = [site[2] for site in known if site is not None]
+    return [*words, *(["--detail", details[0]] if details else [])]
 
 
 def rig(made: Made) -> str:

@@ -3,6 +3,7 @@
 import csv
 import json
 import re
+import shlex
 
 import matplotlib.image
 import numpy as np
@@ -186,7 +187,7 @@ def test_the_curve_of_camring_count_is_shown_if_it_is_of_the_same_request(made, 
         assert ("another request" in err) is not shown
 
 
-def test_the_request_can_be_repeated(made, tmp_path):
+def test_the_request_can_be_repeated(made, camring, tmp_path):
     layout = read(made / "out" / "layout.json")
     layout = report_words.Made(layout.content, (layout.ring,), layout.demand)
     (tmp_path / "rig.toml").write_text(report_words.rig(layout), encoding="utf-8")
@@ -199,6 +200,12 @@ def test_the_request_can_be_repeated(made, tmp_path):
     assert (again.n_cameras, again.seed, again.certify) == (3, 0, True)
     assert again.exclude == "none"
     assert re.search(r"scán\.stl.* --rig rig\.toml", report_words.command(layout))
+    program, command, name, *options = shlex.split(report_words.evaluation(layout))
+    assert (program, command, name) == ("camring", "evaluate", NASTY)
+    options[options.index("rig.toml")] = tmp_path / "rig.toml"
+    status, printed, err = camring("evaluate", made / NASTY, *options, "--json")
+    assert status == 0, err
+    assert json.loads(printed)["area_mm2"] == pytest.approx(layout.content["areas_mm2"]["optimised"], rel=1e-9)
 
 
 @pytest.mark.parametrize("min_baseline", [0.0, 22.0])

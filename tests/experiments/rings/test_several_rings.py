@@ -159,7 +159,9 @@ def test_the_report_says_how_to_repeat_it(desk, written, chromium, tmp_path):  #
     assert (again.n_cameras, again.seed, again.certify, again.exclude) == (3, 0, True, "none")
     step = content["settings"]["certificate_step"]
     assert again.settings == dataclasses.replace(first.settings, certificate_step=step)
-    assert page.locator("#repeat pre").last.inner_text().endswith("scan.stl --rig rig.toml --report")
+    commands = page.locator("#repeat pre").all_inner_texts()[1:]
+    assert commands[0].endswith("scan.stl --rig rig.toml --report")
+    assert commands[1].endswith("scan.stl --layout several_rings.json")
 
 
 def test_without_a_ring_that_takes_all_cameras_there_is_nothing_to_compare_with(camring, desk, tmp_path):
