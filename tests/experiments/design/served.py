@@ -13,6 +13,8 @@ from websockets.sync.client import connect
 
 from tests.support.browser import FLAGS, PATIENCE, browser_path
 
+# Of any two cameras [mm].
+SEPARATION = 6.0
 # Without it every frame of the page waits for a drawing of the surface by the processor.
 SOFTWARE = [*FLAGS, "--disable-gpu-compositing"]
 
