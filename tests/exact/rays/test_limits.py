@@ -12,7 +12,7 @@ from exact import Demand, Limits, Optics
 from tests.support.ray_oracle import Samples
 from tests.support.usable_oracle import deviations, disparity_gradients, usable
 
-N_POINTS = 1_000_000
+N_POINTS, FEW_POINTS = 1_000_000, 150_000
 STANDARD_ERRORS = 4.0
 RAY_BIAS = 1e-5  # see test_sites.py
 
@@ -43,14 +43,17 @@ def agrees(scene, samples, layout, demand, counts):
     return area
 
 
+SITES = ("circ_artery", 50), ("circ_overhang", 100), ("elliptical", 50), ("circ_angled", 100)
+
+
 @pytest.mark.parametrize(
-    ("name", "depth"), [("circ_artery", 50), ("circ_overhang", 100), ("elliptical", 50), ("circ_angled", 100)]
+    ("name", "depth", "n_points"), [(*SITES[0], FEW_POINTS), *((*site, N_POINTS) for site in SITES)]
 )
-def test_sites_with_an_instrument_in_the_way(name, depth):
+def test_sites_with_an_instrument_in_the_way(name, depth, n_points):
     mesh = meshes.site(name, depth=depth)
     top = meshes.top_surface(mesh)
     instrument = trimesh.creation.cylinder(2.0, segment=[(-2.0, 3.0, -5.0), (-15.0, 12.0, 40.0)], sections=12)
-    samples = Samples(mesh, ANGLES, N_POINTS, top, obstacle=instrument)
+    samples = Samples(mesh, ANGLES, n_points, top, obstacle=instrument)
     scene = exact.Scene(mesh, exclude=top, obstacles=(instrument,))
     lit_scene = exact.Scene(mesh, exclude=top, obstacles=(instrument,), lights=(LIGHT,))
     lit = samples.lit_from(LIGHT)
