@@ -24,6 +24,7 @@ from experiments.exports import coverage_mesh, formats
 from experiments.exports.cameras import named_cameras
 from experiments.layouts import layout_content, layout_file
 from experiments.report import page
+from experiments.request.placing import placed
 from experiments.request.request import Request
 from placement.layouts.arcs import LayoutSpace
 from placement.search.ring_maximum import RingMaximum
@@ -32,6 +33,8 @@ from placement.search.steps import polish_by_steps
 from placement.sites import checked_sites
 
 Tell = Callable[[str, Any], None]
+# What puts the ring over the surface, and so does not need anything in sight.
+PLACE = "place the ring"
 # Falling steps of the local search [rad], and how often each camera gets its turn with one of them.
 STEPS, MOST_SWEEPS = tuple(np.radians([4.0, 1.0, 0.25])), 12
 # Places around the ring that samples are asked about for one camera more, and the best of them, which are scored.
@@ -78,6 +81,16 @@ def one_more(asked: Request, design: Design, tell: Tell) -> Design:
     return max(scored, key=lambda one: one[:2])[2]
 
 
+def place(asked: Request, design: Design, tell: Tell) -> Design:
+    """The ring over the surface, where `--place auto` puts it, with its cameras."""
+    tell("progress", ("looking for a place", 0, 1))
+    ring, _ = placed(asked.subjects[0].mesh, design.ring)
+    demand = design.demand
+    if demand.depth_axis == design.ring.axis:
+        demand = replace(demand, depth_axis=ring.axis)
+    return replace(design, ring=ring, demand=demand)
+
+
 def layout(asked: Request, design: Design, tell: Tell) -> bytes:
     """`layout.json`, as `camring optimise` writes it: what it compares with is worked out for this layout."""
     with tempfile.TemporaryDirectory() as folder:
@@ -117,6 +130,7 @@ SEARCHES: dict[str, Callable[[Request, Design, Tell], Design]] = {
     "improve": improve,
     "optimise": optimise,
     "one more": one_more,
+    PLACE: place,
 }
 FILES: dict[str, tuple[Callable[[Request, Design, Tell], bytes], str]] = {
     "layout.json": (layout, "application/json"),

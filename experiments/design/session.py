@@ -153,8 +153,8 @@ def nothing_seen(scene: exact.Scene, ring: exact.Ring) -> str:
     focus = ", ".join(f"{part:g}" for part in ring.focus)
     return (
         f"no camera sees any of the surface that counts: it reaches {spans} mm, and the ring looks at ({focus}) from "
-        f"{ring.working_distance:g} mm; start camring design again with --place auto, which puts the ring over the "
-        "surface, or with --focus, --axis, --scale or --repair"
+        f"{ring.working_distance:g} mm; put the ring over the surface, as --place auto does, or start camring design "
+        "with --focus, --axis, --scale or --repair"
     )
 
 

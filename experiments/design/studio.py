@@ -23,7 +23,7 @@ from placement.search.ring_maximum import unbased
 
 DIED = "the process that computes was stopped from outside, most likely since memory ran out; it starts anew"
 # What a layout is called that a search has found.
-FOUND = {"improve": "improved", "optimise": "optimised", "one more": "one camera more"}
+FOUND = {"improve": "improved", "optimise": "optimised", "one more": "one camera more", searches.PLACE: "ring placed"}
 # A hand that has not moved for this long rests [s]: more than there is between two frames.
 PAUSE = 0.04
 # The ring maximum takes seconds; it is asked for when ring and demand have been the same for this long [s].
@@ -282,7 +282,7 @@ class Studio:
     def _begin(self, what: str, design: Design) -> None:
         if self._job is not None:
             raise InputError(BUSY)
-        if (nothing := self._nothing()) is not None:
+        if what != searches.PLACE and (nothing := self._nothing()) is not None:
             raise InputError(nothing)
         if self._search is None:
             self._search = Worker(searches.serve, (self._asked,), self._from_thread(self._searched))

@@ -26,7 +26,12 @@ def over(mesh: trimesh.Trimesh, ring: exact.Ring) -> tuple[exact.Ring, meshes.Pl
     (20.0, 300, 'the surface in view')
     """
     with working("looking for a place for the ring"):
-        found = meshes.place(mesh, diameter=ring.diameter, working_distance=ring.working_distance, fov=ring.fov)
+        return placed(mesh, ring)
+
+
+def placed(mesh: trimesh.Trimesh, ring: exact.Ring) -> tuple[exact.Ring, meshes.Place]:
+    """The same without a word to the terminal."""
+    found = meshes.place(mesh, diameter=ring.diameter, working_distance=ring.working_distance, fov=ring.fov)
     return replace(ring, focus=found.focus, axis=found.axis, zero_towards=found.zero_towards), found
 
 

@@ -36,7 +36,7 @@ function hear(message) {
     surface.name(message.angles.length);
     if (!message.exact.is_whole) at("drawn").textContent = "computing the surface…";
     if (message.refused) say(message.refused);
-    at("nothing").textContent = message.nothing ?? "";
+    at("nothing").firstElementChild.textContent = message.nothing ?? "";
     at("nothing").hidden = !message.nothing;
     latest = message;
     tellResult();
@@ -129,7 +129,7 @@ async function save(name) {
 
 const doing = {
   undo: "undo", redo: "redo", equidistant: "equidistant", improve: "improve", "one-more": "one more",
-  optimise: "optimise", counts: "how many cameras", "trade-off": "trade-off", stop: "stop",
+  optimise: "optimise", counts: "how many cameras", "trade-off": "trade-off", place: "place the ring", stop: "stop",
 };
 for (const [id, what] of Object.entries(doing)) at(id).addEventListener("click", () => link.send({ do: what }));
 at("add").addEventListener("click", () => link.send({ do: "add", place: null }));

@@ -65,8 +65,10 @@ export class Surface {
   }
 
   show(buffer) {
-    const isFirst = this.data === null;
+    const before = this.data && JSON.stringify(this.data.head.frame);
     this.data = unpacked(buffer);
+    /* The ring may have been put elsewhere. */
+    const isFirst = before === null, isMoved = before !== JSON.stringify(this.data.head.frame);
     const { corners, vertices } = this.data, places = new Float32Array(3 * corners.length);
     for (let i = 0; i < corners.length; i += 1) {
       for (let k = 0; k < 3; k += 1) places[3 * i + k] = vertices[3 * corners[i] + k];
@@ -78,8 +80,8 @@ export class Surface {
     if (isFirst && this.renderer) {
       this.controls = new OrbitControls(this.camera, this.renderer.domElement);
       this.controls.addEventListener("change", () => this.draw());
-      this.fromAbove();
     }
+    if (isMoved) this.fromAbove();
   }
 
   fromAbove() {

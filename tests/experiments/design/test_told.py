@@ -4,7 +4,7 @@ import re
 
 import trimesh
 
-from tests.experiments.design.served import Looked, served
+from tests.experiments.design.served import Looked, evaluated, served
 from tests.support.browser import PATIENCE
 
 
@@ -70,7 +70,7 @@ def test_what_rested_in_the_hand_keeps_its_numbers(window):
     assert page.locator("#tried tr").nth(0).locator("td").nth(2).inner_text() == held == window.number("area")
 
 
-def test_a_mesh_out_of_sight(chromium, tmp_path, scan, rig):
+def test_a_mesh_out_of_sight(chromium, camring, tmp_path, scan, rig):
     away = trimesh.load(scan).apply_translation((0, 100, 0))
     away.export(tmp_path / "away.stl")
     with served(tmp_path, tmp_path / "away.stl", "--rig", rig) as running:
@@ -84,6 +84,13 @@ def test_a_mesh_out_of_sight(chromium, tmp_path, scan, rig):
             looked.page.evaluate("document.getElementById('said').hidden = true")
             looked.page.click(search)
             assert "no camera sees any of the surface" in looked.said()
+        looked.page.click("#place")
+        looked.page.wait_for_selector("#tried >> text=ring placed", timeout=PATIENCE)
+        looked.page.wait_for_selector("#nothing", state="hidden", timeout=PATIENCE)
+        looked.known()
+        shown = looked.number("area"), looked.number("error")
+        asked = ("--place", "auto", "--cameras", len(looked.angles()))
+        assert shown == evaluated(camring, tmp_path / "away.stl", *asked) and float(shown[0]) > 100
         looked.page.close()
         assert looked.faults == []
         assert "warning: no camera sees any of the surface" in running.end()[1]
