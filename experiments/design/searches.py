@@ -24,7 +24,7 @@ from experiments.exports import coverage_mesh, formats
 from experiments.exports.cameras import named_cameras
 from experiments.layouts import layout_content, layout_file
 from experiments.report import page
-from experiments.request.placing import placed
+from experiments.request.placing import moved_with, placed
 from experiments.request.request import Request
 from placement.layouts.arcs import LayoutSpace
 from placement.search.ring_maximum import RingMaximum
@@ -85,10 +85,7 @@ def place(asked: Request, design: Design, tell: Tell) -> Design:
     """The ring over the surface, where `--place auto` puts it, with its cameras."""
     tell("progress", ("looking for a place", 0, 1))
     ring, _ = placed(asked.subjects[0].mesh, design.ring)
-    demand = design.demand
-    if demand.depth_axis == design.ring.axis:
-        demand = replace(demand, depth_axis=ring.axis)
-    return replace(design, ring=ring, demand=demand)
+    return replace(design, ring=ring, demand=moved_with(design.demand, design.ring, ring))
 
 
 def layout(asked: Request, design: Design, tell: Tell) -> bytes:

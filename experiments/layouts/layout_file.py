@@ -17,6 +17,7 @@ from experiments.layouts.rings_content import MOST_CAMERAS, RINGS_FORMAT
 from experiments.request.declared_fields import declared
 from experiments.request.meshes import is_site
 from experiments.request.options import CLASSES, PARTS
+from experiments.request.placing import moved_with
 from meshes import fingerprint
 
 if TYPE_CHECKING:  # at run time it would bring jax along, which reading a layout hardly ever needs
@@ -82,9 +83,7 @@ class LayoutFile:
 
     def moved_to(self, ring: exact.Ring) -> exact.Demand:
         """What makes a point count once the ring stands elsewhere: depth that is along its axis stays so."""
-        if self.demand.depth_axis != self.ring.axis:
-            return self.demand
-        return replace(self.demand, depth_axis=ring.axis)
+        return moved_with(self.demand, self.ring, ring)
 
     def loaded(self, mesh: str, options: dict[str, Any]) -> dict[str, Any]:
         """How `mesh` is loaded as its own was, the first of several, with what options say otherwise.

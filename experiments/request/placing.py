@@ -35,6 +35,18 @@ def placed(mesh: trimesh.Trimesh, ring: exact.Ring) -> tuple[exact.Ring, meshes.
     return replace(ring, focus=found.focus, axis=found.axis, zero_towards=found.zero_towards), found
 
 
+def moved_with(demand: exact.Demand, before: exact.Ring, after: exact.Ring) -> exact.Demand:
+    """What makes a point count once the ring stands elsewhere: depth that is along its axis stays so.
+
+    Examples
+    --------
+    >>> demand = exact.Demand(depth_axis=(0.0, 0.0, 1.0))
+    >>> moved_with(demand, exact.Ring(), exact.Ring(axis=(0.0, 1.0, 0.0))).depth_axis
+    (0.0, 1.0, 0.0)
+    """
+    return replace(demand, depth_axis=after.axis) if demand.depth_axis == before.axis else demand
+
+
 def before_repair(mesh: trimesh.Trimesh, repair: bool, name: str, two_sided: bool) -> trimesh.Trimesh:
     """The mesh on which a place is looked for, repaired as far as that goes without knowing where the cameras are."""
     try:

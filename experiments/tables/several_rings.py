@@ -10,6 +10,7 @@ import exact
 import placement
 from experiments.files.table import finite
 from experiments.terminal.console import table
+from placement.rings.ring_places import Places, cameras_of
 
 
 class LayoutOnRings(NamedTuple):
@@ -25,7 +26,7 @@ class LayoutOnRings(NamedTuple):
 
     def cameras(self, rings: Sequence[exact.Ring]) -> tuple[exact.Camera, ...]:
         """(M,) its cameras."""
-        return tuple(rings[k].cameras([angle])[0] for k, angle in zip(self.ring_of, self.angles, strict=True))
+        return cameras_of(rings, Places(np.array(self.ring_of), np.array(self.angles)))
 
 
 def best_alone(found: "placement.RingsPlacement") -> LayoutOnRings | None:

@@ -22,6 +22,7 @@ from experiments.request.target_fraction import checked_target, reach
 from experiments.tables.sites import weights_words
 from experiments.terminal.console import note, print_json, table, terminal
 from experiments.terminal.progress import progress_bar
+from placement.rings.ring_places import Places, cameras_of
 from placement.search.ring_maximum import unbased
 
 OUTPUTS = (
@@ -59,7 +60,7 @@ class _Cameras:
         """(M,) the cameras."""
         if not self.is_several:
             return tuple(self.rings[0].cameras(self.angles, self.rolls))
-        return tuple(self.rings[k].cameras([angle])[0] for k, angle in zip(self.ring_of, self.angles, strict=True))
+        return cameras_of(self.rings, Places(self.ring_of, self.angles))
 
     def around(self, n_cameras: int) -> tuple[exact.Camera, ...]:
         """As many equidistant cameras on each ring."""
