@@ -144,20 +144,24 @@ def recommend(
             n_equidistant = n
         if n_equidistant is not None and (n_cameras is not None or refusal is not None):
             break
-    return Recommendation(float(target), n_cameras, n_equidistant, _bounded(problem, constraints, counts))
+    bounded = bounded_by_more([found.placement for found in counts])
+    counts = [replace(found, placement=placed) for found, placed in zip(counts, bounded, strict=True)]
+    return Recommendation(float(target), n_cameras, n_equidistant, tuple(counts))
 
 
-def _bounded(problem: "Problem", constraints: Constraints, counts: list[CountResult]) -> tuple[CountResult, ...]:
-    """The results, with the bound of each no looser than that of one camera more, where there is room for it."""
-    bounded = list(counts)
-    for i in range(len(counts) - 2, -1, -1):
-        here, more = bounded[i].placement, bounded[i + 1].placement
+def bounded_by_more(placements: Sequence[Placement | None]) -> list[Placement | None]:
+    """Layouts of one camera more each, the bound of each no looser than that of the next, where there is room for it.
+
+    What is asked of them is the same but for the number of cameras.
+    """
+    bounded = list(placements)
+    for i in range(len(bounded) - 2, -1, -1):
+        here, more = bounded[i], bounded[i + 1]
         if here is None or more is None or here.certificate is None or more.certificate is None:
             continue
-        if LayoutSpace(problem.ring, here.n_cameras, constraints).leaves_room:
-            tighter = at_most(here.certificate, more.certificate)
-            bounded[i] = replace(bounded[i], placement=replace(here, certificate=tighter))
-    return tuple(bounded)
+        if LayoutSpace(here.ring, here.n_cameras, here.constraints).leaves_room:
+            bounded[i] = replace(here, certificate=at_most(here.certificate, more.certificate))
+    return bounded
 
 
 def _counted(problem: "Problem", n: int, constraints: Constraints, found: Placement | None) -> CountResult:

@@ -14,8 +14,9 @@ from experiments.sweeps.task import Outcome
 class LayoutRow:
     """One layout request; fractions are exact and of the ring maximum, and None where the task failed.
 
-    `part` is "layouts" (one site, with certificate), "constraints" or "all sites": one layout for all of them, whose
-    fractions are the least over the sites.
+    `part` is "layouts" (one site, with certificate), "dense" (a surface counts where enough pixels see it),
+    "constraints" or "all sites": one layout for all of them, whose fractions are the least over the sites. `fraction`,
+    `error_rms_mm`, areas and `angles_deg` are those of the layout proposed. Errors are predicted along depth.
     """
 
     part: str
@@ -24,49 +25,62 @@ class LayoutRow:
     n_cameras: int
     min_separation_mm: float
     min_angle_deg: float
+    min_pixel_density: float | None
     objective: str
     fraction: float | None = None
+    error_rms_mm: float | None = None
+    most_area_fraction: float | None = None
+    most_area_error_rms_mm: float | None = None
     equidistant_fraction: float | None = None
+    equidistant_error_rms_mm: float | None = None
     best_equidistant_fraction: float | None = None
+    best_equidistant_error_rms_mm: float | None = None
     best_phase_deg: float | None = None
     sampled_fraction: float | None = None
     bound_fraction: float | None = None
-    grid_bound_fraction: float | None = None
-    grid_layout_fraction: float | None = None
     proven: bool | None = None
+    surface_bound_fraction: float | None = None
+    surface_proven: bool | None = None
+    grid_layout_fraction: float | None = None
     smallest_separation_mm: float | None = None
     area_mm2: float | None = None
     ring_area_mm2: float | None = None
     angles_deg: tuple[float, ...] = ()
+    most_area_angles_deg: tuple[float, ...] = ()
     site_fractions: tuple[float, ...] = ()
     failure: str = ""
 
 
 @dataclass(frozen=True)
 class EquidistantRow:
-    """What an equidistant ring at phase 0 reaches, as an exact fraction of the ring maximum."""
+    """What an equidistant ring at phase 0 reaches: exact fraction of the ring maximum, and predicted error in depth."""
 
     site: str
     depth_mm: int
     n_cameras: int
     fraction: float | None
+    error_rms_mm: float | None
     failure: str = ""
 
 
-def layout_row(about: dict[str, Any], outcome: Outcome) -> LayoutRow:
-    """The row of a task of `study_tasks`; columns without a value where it failed."""
-    found: dict[str, Any] = {
-        name: tuple(value) if isinstance(value, list) else value for name, value in (outcome.result or {}).items()
-    }
-    return LayoutRow(**about, **found, failure=outcome.failure)
+def layout_rows(about: dict[str, Any], outcome: Outcome) -> list[LayoutRow]:
+    """The rows of a task of `study_tasks`; columns without a value where it failed."""
+    asked = {name: value for name, value in about.items() if name != "counts"}
+    found = [{}] * len(about["counts"]) if outcome.result is None else outcome.result["layouts"]
+    rows = []
+    for n, columns in zip(about["counts"], found, strict=True):
+        of: dict[str, Any] = {name: tuple(one) if isinstance(one, list) else one for name, one in columns.items()}
+        rows.append(LayoutRow(**asked, n_cameras=n, **of, failure=outcome.failure))
+    return rows
 
 
 def equidistant_rows(about: dict[str, Any], counts: Sequence[int], outcome: Outcome) -> list[EquidistantRow]:
     """The rows of a task about equidistant rings of these numbers of cameras."""
-    found = [None] * len(counts) if outcome.result is None else outcome.result["fractions"]
+    none = [None] * len(counts)
+    found = {"fractions": none, "errors_rms_mm": none} if outcome.result is None else outcome.result
     return [
-        EquidistantRow(about["site"], about["depth_mm"], n, fraction, outcome.failure)
-        for n, fraction in zip(counts, found, strict=True)
+        EquidistantRow(about["site"], about["depth_mm"], n, fraction, error, outcome.failure)
+        for n, fraction, error in zip(counts, found["fractions"], found["errors_rms_mm"], strict=True)
     ]
 
 
@@ -85,7 +99,7 @@ def read_rows(path: Path, kind: type) -> list[Any]:
     Examples
     --------
     >>> import tempfile
-    >>> rows = [EquidistantRow("circ_flat", 50, 4, 0.925), EquidistantRow("circ_flat", 50, 5, None, "no memory")]
+    >>> rows = [EquidistantRow("circ_flat", 50, 4, 0.925, 0.08), EquidistantRow("circ_flat", 50, 5, None, None, "no")]
     >>> path = Path(tempfile.mkdtemp()) / "rows.csv"
     >>> write_rows(path, EquidistantRow, rows)
     >>> read_rows(path, EquidistantRow) == rows

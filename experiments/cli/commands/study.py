@@ -4,17 +4,19 @@ import time
 from dataclasses import asdict
 from pathlib import Path
 
+import exact
 import meshes
 from experiments.cli.extras import refuse_without
 from experiments.files.whole import output_folder
 from experiments.study.report import CAPTIONS, write_report
-from experiments.study.rows import EquidistantRow, LayoutRow, equidistant_rows, layout_row, read_rows, write_rows
+from experiments.study.rows import EquidistantRow, LayoutRow, equidistant_rows, layout_rows, read_rows, write_rows
 from experiments.study.savings import headline, savings
-from experiments.study.tasks import CERTIFICATE_SECONDS, PHASES, Plan, study_tasks
+from experiments.study.tasks import CERTIFICATE_SECONDS, DENSITY, PHASES, POLISHED, Plan, study_tasks
 from experiments.sweeps import command as sweep_command
 from experiments.sweeps.command import RECORD, SweepReport, SweepRequest
 from experiments.sweeps.record import write_record
 from experiments.sweeps.sweep import shown_sweep
+from placement.search.proposal import GIVE_UP
 
 LAYOUTS, EQUIDISTANT, TASKS, PAGE = "layouts.csv", "equidistant.csv", "tasks", "study.md"
 
@@ -48,13 +50,15 @@ def _compute(asked: SweepRequest) -> None:
         if about["part"] == "equidistant":
             even += equidistant_rows(about, plan.equidistant_counts, outcome)
         else:
-            layouts.append(layout_row(about, outcome))
+            layouts += layout_rows(about, outcome)
     write_rows(out / LAYOUTS, LayoutRow, layouts)
     write_rows(out / EQUIDISTANT, EquidistantRow, even)
     settings = {
         "command": asked.command, "quick": asked.quick, "detail": plan.detail, "threshold": 2, "seed": 0,
         "ring_diameter_mm": 30.0, "working_distance_mm": 400.0, "fov_mm": [36.0, 24.0], "exact_phases": PHASES,
-        "certificate_seconds": CERTIFICATE_SECONDS, "n_cameras": list(plan.counts),
+        "certificate_seconds": CERTIFICATE_SECONDS, "polish_candidates": POLISHED, "give_up": GIVE_UP,
+        "min_pixel_density": DENSITY, "resolution_px": list(exact.Optics().resolution),
+        "match_noise_px": exact.Optics().match_noise, "n_cameras": list(plan.counts),
     }  # fmt: skip
     hashes = {
         f"{site} {depth} {plan.detail}": meshes.EXPECTED[site, float(depth), plan.detail].fingerprint
