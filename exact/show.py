@@ -186,7 +186,11 @@ def html(reconstruction: "Reconstruction") -> str:
     rows = [(f"reconstructable: {reconstruction.words}", reconstruction.area)]
     for level, area in enumerate(reconstruction.level_areas, start=1):
         rows.append((f"seen by at least {level} camera{'' if level == 1 else 's'}", area))
-    return page(rows_html(("area", "mm²"), [(words, f"{area:.4f}") for words, area in rows]), plot(reconstruction))
+    shown = [(words, f"{area:.4f} mm²") for words, area in rows]
+    rms = reconstruction.error_rms
+    if np.isfinite(rms):  # it is not where nothing is reconstructed, or single cameras count
+        shown.append((f"RMS of the predicted error along {reconstruction.demand.error}", f"{rms:.4f} mm"))
+    return page(rows_html(("reconstruction", ""), shown), plot(reconstruction))
 
 
 def rows_html(head: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:

@@ -38,7 +38,7 @@ def plot(placement: "Placement", ax: "Axes | None" = None) -> "Axes":
     >>> found = optimise(trimesh.creation.box((10, 10, 9)), exact.Ring(), 2, settings=quick, certify=False)
     >>> ax = plot(found)
     >>> ax.get_title(), found._repr_html_().count("<tr>")
-    ('2 cameras: 60.87 % of the ring maximum', 5)
+    ('2 cameras: 60.87 % of the ring maximum', 6)
     """
     from matplotlib.figure import Figure
     from matplotlib.patches import Arc, Circle
@@ -69,15 +69,20 @@ def plot(placement: "Placement", ax: "Axes | None" = None) -> "Axes":
 def html(placement: "Placement") -> str:
     """A table of layouts and the ring from above, for notebooks."""
     phase = np.degrees(placement.best_equidistant_phase)
-    layouts = (
-        ("equidistant", placement.equidistant_area, placement.equidistant_fraction),
+    most = placement.most_area
+    layouts = [
+        ("equidistant", placement.equidistant_area, placement.equidistant_fraction, placement.equidistant_error_rms),
         (f"equidistant, best phase ({phase:.1f}°)", placement.best_equidistant_area,
-         placement.best_equidistant_fraction),
-        ("optimised", placement.area, placement.fraction),
-        ("ring maximum", placement.ring_area, 1.0),
-    )  # fmt: skip
-    rows = [(name, f"{area:.2f}", _percent(fraction)) for name, area, fraction in layouts]
-    return page(rows_html(("layout", "exact area [mm²]", "of the ring maximum"), rows), plot(placement))
+         placement.best_equidistant_fraction, placement.best_equidistant_error_rms),
+        ("most area", most.area, most.fraction, placement.most_area_error_rms),
+        ("optimised", placement.area, placement.fraction, placement.error_rms),
+    ]  # fmt: skip
+    if most.angles == placement.angles:
+        del layouts[2]
+    rows = [(name, f"{area:.2f}", _percent(fraction), f"{error:.4f}") for name, area, fraction, error in layouts]
+    rows.append(("ring maximum", f"{placement.ring_area:.2f}", _percent(1.0), ""))
+    head = ("layout", "exact area [mm²]", "of the ring maximum", f"RMS error along {placement.demand.error} [mm]")
+    return page(rows_html(head, rows), plot(placement))
 
 
 def _percent(fraction: float) -> str:

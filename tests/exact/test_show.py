@@ -33,9 +33,10 @@ def test_drawing_needs_matplotlib_and_importing_does_not():
 
 def test_a_reconstruction_as_html(step):
     page = step._repr_html_()
-    assert f"<td>{step.area:.4f}</td>" in page
+    assert f"<td>{step.area:.4f} mm²</td>" in page
     for area in step.level_areas:
-        assert f"<td>{area:.4f}</td>" in page
+        assert f"<td>{area:.4f} mm²</td>" in page
+    assert f"RMS of the predicted error along depth</td><td>{step.error_rms:.4f} mm</td>" in page
     picture = re.search(r'src="data:image/png;base64,([^"]+)"', page)
     assert picture
     pixels = matplotlib.image.imread(io.BytesIO(base64.b64decode(picture[1])))

@@ -62,6 +62,14 @@ def test_the_layout_with_the_most_area_is_not_proposed_where_it_is_inaccurate(ar
     errors = sigma(samples.points[counts], found.angles, seen[:, counts])
     assert np.sqrt(np.mean(errors**2)) == pytest.approx(found.error_rms, rel=0.01)
     assert samples.weights[counts].sum() == pytest.approx(found.area, rel=0.01)
+    page = found._repr_html_()
+    for name, area, error in (
+        ("equidistant", found.equidistant_area, found.equidistant_error_rms),
+        ("most area", found.most_area.area, found.most_area_error_rms),
+        ("optimised", found.area, found.error_rms),
+    ):
+        row = page[page.index(f"<td>{name}</td>") :]
+        assert f"<td>{area:.2f}</td>" in row[:150] and f"<td>{error:.4f}</td></tr>" in row[:150]
 
 
 def test_with_nothing_to_give_up_the_most_area_is_proposed(problem):

@@ -10,7 +10,7 @@ from experiments.cli.extras import refuse_without
 from experiments.files.whole import output_folder
 from experiments.study.report import CAPTIONS, write_report
 from experiments.study.rows import EquidistantRow, LayoutRow, equidistant_rows, layout_rows, read_rows, write_rows
-from experiments.study.savings import headline, savings
+from experiments.study.savings import accuracy, headline, savings
 from experiments.study.tasks import CERTIFICATE_SECONDS, DENSITY, PHASES, POLISHED, Plan, study_tasks
 from experiments.sweeps import command as sweep_command
 from experiments.sweeps.command import RECORD, SweepReport, SweepRequest
@@ -75,5 +75,5 @@ def _report(out: Path) -> SweepReport:
     return SweepReport(
         words,
         [LAYOUTS, EQUIDISTANT, *(name for name in figures if (out / name).exists()), PAGE],
-        {"headline": headline(found), "fewest_cameras": [asdict(one) for one in found]},
+        {"headline": [*headline(found), *accuracy(layouts)], "fewest_cameras": [asdict(one) for one in found]},
     )
