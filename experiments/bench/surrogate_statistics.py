@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 from scipy.stats import spearmanr
 
-from placement.surrogate.soft_coverage import soft_coverage
+from placement.surrogate.soft_coverage import soft_coverage_of
 from placement.surrogate.surrogate import Surrogate
 
 # Half the step of central differences [rad]: rounding costs some 1e-8 of a gradient, curvature at the coldest
@@ -109,4 +109,4 @@ def gradient_error(surrogate: Surrogate, layouts: Sequence[np.ndarray], temperat
 @eqx.filter_grad
 def gradient(angles, points, temperature, threshold):
     """(M,) derivatives of soft coverage by the ring angles; `points` are a `Surrogate`'s, scalars are arrays."""
-    return soft_coverage(angles, points.changes, points.weights, temperature, threshold, points.baseline)
+    return soft_coverage_of(points, angles, temperature, threshold)

@@ -11,7 +11,7 @@ from jaxtyping import Bool, Float, Int
 
 from placement.layouts.layout import angles_from_arcs, angles_from_gaps
 from placement.layouts.layout_parameters import Arcs
-from placement.surrogate.soft_coverage import soft_coverage
+from placement.surrogate.soft_coverage import soft_coverage_of
 from placement.surrogate.surrogate import Surrogate
 
 # BFGS stops when a step changes parameters [rad or logits] and coverage by less than this, relatively plus
@@ -89,8 +89,7 @@ def _descend(parameters, arcs, gap, points, temperatures, threshold, max_steps):
 
     def loss(parameters, args):
         arcs, temperature = args
-        angles = angles_of(parameters, arcs)
-        return 1 - soft_coverage(angles, points.changes, points.weights, temperature, threshold, points.baseline)
+        return 1 - soft_coverage_of(points, angles_of(parameters, arcs), temperature, threshold)
 
     def one_start(parameters, arcs, temperature):
         # throw=False: one bad start must not end the others.

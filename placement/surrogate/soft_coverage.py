@@ -18,6 +18,8 @@ import placement.surrogate.double_precision  # noqa: F401 - angles to 1e-9 rad
 
 # Width of the soft minimum over several sites, in fractions: what differs by less counts about alike.
 SOFT_MINIMUM = 0.01
+# Stands for 0 where a logarithm or a quotient is taken.
+NOTHING = 1e-30
 
 
 class Baseline(NamedTuple):
@@ -27,6 +29,15 @@ class Baseline(NamedTuple):
     """Ring diameter [mm]."""
     minimum: Float[Array, ""]
     """Least chord between the two [mm]."""
+
+
+class Accuracy(NamedTuple):
+    """The cameras that see a point must place it accurately enough."""
+
+    diameter: Float[Array, ""]
+    """Ring diameter [mm]."""
+    spread: Float[Array, " N"]
+    """Least sum of their squared distances from their centre with which they do [mm²]."""
 
 
 class Changes(NamedTuple):
@@ -44,6 +55,7 @@ class Points(NamedTuple):
     changes: Changes
     weights: Float[Array, "S N"]
     baseline: Baseline | None
+    accuracy: Accuracy | None
 
 
 def signed_distances(angles: Float[Array, " M"], changes: Changes) -> Float[Array, "M N"]:
@@ -136,6 +148,31 @@ def apart(
     return 1 - jnp.prod(1 - pair, axis=0)
 
 
+def accurate(
+    angles: Float[Array, " M"],
+    probabilities: Float[Array, "M N"],
+    accuracy: Accuracy,
+    temperature: Float[Array, ""],
+) -> Float[Array, " N"]:
+    """Soft probability that the cameras which see a point are spread widely enough to place it accurately.
+
+    Views that are seen with probability p count p times in n = Σ p and m = Σ p e^{iθ}, which give the spread
+    S = (d/2)² (n - |m|² / n); "widely enough" is a sigmoid of log S - log S_least,
+    as wide as the temperature in radians.
+
+    Examples
+    --------
+    >>> accuracy = Accuracy(jnp.asarray(30.0), jnp.array([400.0, 500.0]))  # two opposite cameras have 2 x 15² = 450
+    >>> accurate(jnp.array([0.0, jnp.pi]), jnp.ones((2, 2)), accuracy, jnp.asarray(1e-3)).round(9).tolist()
+    [1.0, 0.0]
+    """
+    n = jnp.sum(probabilities, axis=0)
+    x, y = jnp.cos(angles) @ probabilities, jnp.sin(angles) @ probabilities
+    spread = (accuracy.diameter / 2) ** 2 * (n - (x**2 + y**2) / jnp.maximum(n, NOTHING))
+    enough = jnp.log(jnp.maximum(spread, NOTHING)) - jnp.log(jnp.maximum(accuracy.spread, NOTHING))
+    return jax.nn.sigmoid(enough / temperature)
+
+
 def soft_coverage(
     angles: Float[Array, " M"],
     changes: Changes,
@@ -143,6 +180,7 @@ def soft_coverage(
     temperature: Float[Array, ""],
     threshold: int = 2,
     baseline: Baseline | None = None,
+    accuracy: Accuracy | None = None,
 ) -> Float[Array, ""]:
     """Weighted sum over the points of the soft probability of being reconstructable; the least of several sums.
 
@@ -162,6 +200,8 @@ def soft_coverage(
         How many cameras must see a point.
     baseline : Baseline, optional
         Demand two views at least this far apart.
+    accuracy : Accuracy, optional
+        Demand views that place a point so accurately.
 
     Returns
     -------
@@ -182,13 +222,24 @@ def soft_coverage(
     covered = at_least(probabilities, threshold)
     if baseline is not None:
         covered = covered * apart(angles, jnp.stack(probabilities), baseline, temperature)
+    if accuracy is not None:
+        covered = covered * accurate(angles, jnp.stack(probabilities), accuracy, temperature)
     sums = weights @ covered
     if sums.shape[0] == 1:
         return sums[0]
     return -SOFT_MINIMUM * jax.nn.logsumexp(-sums / SOFT_MINIMUM)
 
 
+def soft_coverage_of(
+    points: Points, angles: Float[Array, " M"], temperature: Float[Array, ""], threshold: int
+) -> Float[Array, ""]:
+    """`soft_coverage` of the points, with all that they must meet."""
+    return soft_coverage(
+        angles, points.changes, points.weights, temperature, threshold, points.baseline, points.accuracy
+    )
+
+
 @eqx.filter_jit
 def compiled_coverage(angles, points: Points, temperature, threshold: int):
-    """`soft_coverage` of the points, compiled once for each shape of them and each threshold."""
-    return soft_coverage(angles, points.changes, points.weights, temperature, threshold, points.baseline)
+    """`soft_coverage_of` the points, compiled once for each shape of them and each threshold."""
+    return soft_coverage_of(points, angles, temperature, threshold)

@@ -53,18 +53,24 @@ class Surrogate:
         """The points as arrays of JAX."""
         import jax.numpy as jnp
 
-        from placement.surrogate.soft_coverage import Baseline, Changes, Points
+        from placement.surrogate.soft_coverage import Accuracy, Baseline, Changes, Points
 
-        profiles = self._profiles
+        profiles, demand = self._profiles, self.demand
         weights = np.zeros((profiles.n_sites, len(profiles.weights)))
         weights[profiles.site, np.arange(len(profiles.site))] = profiles.weights
         # Points without weight fill up to a round number: other sites and seeds then use what is already compiled.
         spare = ((0, 0), (0, -len(profiles.weights) % POINTS_PER_STEP))
-        baseline = Baseline(jnp.asarray(self._ring.diameter), jnp.asarray(self.demand.baseline))
+        diameter = jnp.asarray(self._ring.diameter)
+        baseline = accuracy = None
+        if demand.baseline > 0:
+            baseline = Baseline(diameter, jnp.asarray(demand.baseline))
+        if demand.max_error is not None:
+            accuracy = Accuracy(diameter, jnp.asarray(np.pad(profiles.noise / demand.max_error**2, spare[1])))
         return Points(
             Changes(jnp.asarray(np.pad(profiles.behind, spare)), jnp.asarray(np.pad(profiles.ahead, spare))),
             jnp.asarray(np.pad(weights, spare)),
-            baseline if self.demand.baseline > 0 else None,
+            baseline,
+            accuracy,
         )
 
     def at(self, angles, temperature: float) -> float:
@@ -120,11 +126,9 @@ def soft_coverage(
         raise PlacementError(f"temperature is {temperature!r}; it must be positive and finite [rad]")
     import jax.numpy as jnp
 
-    from placement.surrogate.soft_coverage import soft_coverage as of_points
+    from placement.surrogate.soft_coverage import soft_coverage_of
 
     _, surrogate = problem.coverage(Constraints() if constraints is None else constraints)
     points, threshold = surrogate.points, surrogate.demand.threshold
     width = jnp.asarray(temperature, dtype=float)
-    return lambda angles: of_points(
-        jnp.asarray(angles), points.changes, points.weights, width, threshold, points.baseline
-    )
+    return lambda angles: soft_coverage_of(points, jnp.asarray(angles), width, threshold)

@@ -11,7 +11,14 @@ import exact
 from placement.samples.profiles import RingProfiles
 from placement.samples.sampled_coverage import SampledCoverage
 from placement.surrogate import soft_coverage as module_under_test
-from placement.surrogate.soft_coverage import SOFT_MINIMUM, Baseline, Changes, at_least, signed_distances
+from placement.surrogate.soft_coverage import (
+    SOFT_MINIMUM,
+    Baseline,
+    Changes,
+    at_least,
+    signed_distances,
+    soft_coverage_of,
+)
 from placement.surrogate.surrogate import Surrogate
 
 COLD = jnp.asarray(1e-9)
@@ -60,6 +67,26 @@ def test_cold_soft_coverage_is_the_hard_coverage_of_the_samples(profiles, thresh
         angles = rng.uniform(-10, 10, 5)
         soft = soft_coverage(jnp.asarray(angles), *arrays(profiles), COLD, threshold, baseline)
         assert float(soft) * profiles.weights.sum() == pytest.approx(hard.fraction(angles), abs=1e-9)
+
+
+@pytest.mark.parametrize("threshold", [2, 3])
+@pytest.mark.parametrize("max_error", [0.05, 0.08, 0.2])
+def test_a_bound_on_the_error_is_carried_and_differentiated(profiles, threshold, max_error):
+    """Of points of unlike noise; cold it is the samples' own, which goes by the exact formula on a ring."""
+    rng = np.random.default_rng(4)
+    noisy = dataclasses.replace(profiles, noise=rng.uniform(0.5, 2.0, len(profiles.weights)))
+    demand = exact.Demand(threshold, max_error=max_error)
+    hard, surrogate = SampledCoverage(noisy, demand, exact.Ring()), Surrogate(noisy, demand, exact.Ring())
+    counted = []
+    for _ in range(6):
+        angles = rng.uniform(-10, 10, 5)
+        counted.append(hard.fraction(angles))
+        assert surrogate.at(angles, temperature=1e-9) == pytest.approx(counted[-1], abs=1e-9)
+        ends = [surrogate.at(angles + np.array([step, 0, 0, 0, 0]), temperature=0.3) for step in (1e-6, -1e-6)]
+        slope = jax.grad(lambda at: soft_coverage_of(surrogate.points, at, jnp.asarray(0.3), threshold))
+        assert float(slope(jnp.asarray(angles))[0]) == pytest.approx((ends[0] - ends[1]) / 2e-6, rel=1e-5, abs=1e-5)
+    free = SampledCoverage(noisy, exact.Demand(threshold), exact.Ring())
+    assert max(counted) > 0 and (max_error > 0.1 or max(counted) < free.profiles.weights.sum())
 
 
 @pytest.mark.parametrize("threshold", [1, 2, 3])
