@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from exact.cameras import Camera
-from exact.demand import Criterion, Demand
+from exact.demand import Criterion, Demand, every_view
 from exact.errors import ExactError
 from exact.predicted.reconstructed import area_by_face, piece_areas, reconstructed
 from exact.requests import (
@@ -35,6 +35,7 @@ def evaluate(
     depth_order: str = "exact",
     workers: int = 1,
     report: Callable[[int], object] | None = None,
+    all_views: bool = False,
     **asked: Any,
 ) -> Reconstruction:
     """Area of `mesh` that at least T of the `cameras` see, exact up to float64 rounding.
@@ -57,6 +58,9 @@ def evaluate(
         takes a moment to start them. The result does not depend on it.
     report : callable, optional
         Called with the number of further cameras done, from time to time; for progress bars.
+    all_views : bool
+        Look at every part from all cameras at once, instead of from as many as make it count: for whoever will read
+        predicted errors, which need them all and then cost little more. Areas are the same up to rounding.
     exclude, weights, obstacles, lights
         Which faces of `mesh` count, and how much, and what hides and lights it: see `Scene`, which may take the place
         of `mesh`.
@@ -89,24 +93,29 @@ def evaluate(
     if depth_order not in ("exact", "vertex"):
         raise ExactError(f'depth_order is {depth_order!r}; it must be "exact" or "vertex"')
     criterion = demand.of(cameras, scene.surface)
-    seen = tally(
-        scene.surface, cameras, criterion, scene.counted, checked_workers(workers), report, depth_order, scene.lit
-    )
-    return of_tally(scene, demand, cameras, criterion, seen)
+    until = every_view(demand, cameras) if all_views else criterion
+    seen = tally(scene.surface, cameras, until, scene.counted, checked_workers(workers), report, depth_order, scene.lit)
+    return of_tally(scene, demand, cameras, criterion, seen, seen if all_views else None)
 
 
 def of_tally(
-    scene: Scene, demand: Demand, cameras: tuple[Camera, ...], criterion: Criterion, seen: Tally
+    scene: Scene,
+    demand: Demand,
+    cameras: tuple[Camera, ...],
+    criterion: Criterion,
+    seen: Tally,
+    all_views: Tally | None = None,
 ) -> Reconstruction:
-    """What is reconstructed where the cameras see what has been `seen`."""
+    """What is reconstructed where the cameras see what has been `seen`; `all_views` of that, if they are known."""
     met = reconstructed(scene.surface, scene.counted, seen, criterion)
     levels = [
         reconstructed(scene.surface, scene.counted, seen, Criterion(level)) for level in range(1, demand.threshold + 1)
     ]
     by_face, *by_level = (scene.of_mesh(area_by_face(scene.surface, *part)) for part in (met, *levels))
     return Reconstruction(
-        scene, demand, by_face, np.stack(by_level), seen.n_repairs + _overlapping(scene, seen), cameras, seen, met
-    )
+        scene, demand, by_face, np.stack(by_level), seen.n_repairs + _overlapping(scene, seen), cameras, seen, met,
+        all_views,
+    )  # fmt: skip
 
 
 @shows(ASKED)

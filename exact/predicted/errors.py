@@ -56,8 +56,9 @@ class Errors:
 def errors_over(predictor: Predictor, whole: np.ndarray, whole_seen: np.ndarray, pieces: Pieces, weights) -> Errors:
     """Errors over the faces `whole` (W,), seen by `whole_seen` (W, M), and over pieces; `weights` (F,) or None."""
     surface = predictor.surface
-    everything = Pieces.joined([Pieces(whole, whole_faces(len(whole)), whole_seen), pieces])
-    owner, moments = _small(predictor, everything)
+    both = (whole, pieces.face), (whole_faces(len(whole)), pieces.polygon), (whole_seen, pieces.seen)
+    everything = Pieces(*(np.concatenate(parts) for parts in both))
+    owner, moments = _small(predictor, everything, len(whole))
     face = everything.face[owner]
     is_tiny = moments.sizes(predictor, face) < TINY
     one, three = moments.take(is_tiny), moments.take(~is_tiny)
@@ -70,9 +71,13 @@ def errors_over(predictor: Predictor, whole: np.ndarray, whole_seen: np.ndarray,
     return Errors(depth, normal, area)
 
 
-def _small(predictor: Predictor, pieces: Pieces) -> tuple[np.ndarray, Moments]:
-    """Moments of pieces and, of those that are large beside their distance from the cameras, of parts; and whose."""
-    moments = Moments.of(pieces.polygon)
+def _small(predictor: Predictor, pieces: Pieces, n_whole: int) -> tuple[np.ndarray, Moments]:
+    """Moments of pieces and, of those that are large beside their distance from the cameras, of parts; and whose.
+
+    The first `n_whole` pieces are whole faces, which are all alike in their own coordinates.
+    """
+    alike = Moments.of(whole_faces(1)).take(np.zeros(n_whole, dtype=np.intp))
+    moments = Moments.joined([alike, Moments.of(pieces.polygon[n_whole:])])
     is_small = moments.sizes(predictor, pieces.face) <= FINE
     large = np.flatnonzero(~is_small)
     owner, found = [np.flatnonzero(is_small)], [moments.take(is_small)]

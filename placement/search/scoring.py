@@ -131,5 +131,5 @@ class ExactScorer:
 
 def squared_errors(scene: exact.Scene, cameras: Sequence[exact.Camera], demand: exact.Demand) -> tuple[float, float]:
     """Integral of the squared errors over what the cameras reconstruct [mm⁴], and its area [mm²]."""
-    errors = exact.evaluate(scene, cameras, demand=demand).errors
+    errors = exact.evaluate(scene, cameras, demand=demand, all_views=True).errors
     return float(errors.weights @ getattr(errors, demand.error) ** 2), float(errors.weights.sum())

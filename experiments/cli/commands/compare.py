@@ -60,12 +60,12 @@ def run(
     rows = []
     with progress_bar("scoring exactly", RING_CAMERAS + sum(len(one.angles) for one in read)) as advance:
 
-        def evaluated(cameras, counted: exact.Demand) -> exact.Reconstruction:
-            result = exact.evaluate(scene, cameras, demand=counted, report=advance)
+        def evaluated(cameras, counted: exact.Demand, all_views: bool = False) -> exact.Reconstruction:
+            result = exact.evaluate(scene, cameras, demand=counted, report=advance, all_views=all_views)
             refuse_unseen(about, result, rig)
             return result
 
-        results = [evaluated(rig.cameras(one.angles, one.rolls), demand) for one in read]
+        results = [evaluated(rig.cameras(one.angles, one.rolls), demand, all_views=True) for one in read]
         areas, errors = [result.area for result in results], [result.error_rms for result in results]
         maximum = evaluated(rig.cameras(rig.equidistant(RING_CAMERAS)), unbased(demand)).area
     for one, found, error in zip(read, areas, errors, strict=True):

@@ -88,6 +88,31 @@ def test_what_is_accurate_enough_is_a_part_of_the_sets_of_all_cameras(n_cameras,
         assert found.errors.weights.sum() == pytest.approx(found.area, rel=1e-9)
 
 
+@pytest.mark.parametrize("workers", [1, 2])
+@pytest.mark.parametrize("bounded", [False, True])
+@pytest.mark.parametrize("name", sorted(MESHES))
+def test_all_views_at_once_change_no_number(name, bounded, workers):
+    rng, mesh, cameras = request(1, name, 5)
+    scene = exact.Scene(mesh, weights=rng.random(len(mesh.faces)), exclude=rng.random(len(mesh.faces)) < 0.1)
+    asked = {"threshold": 2 + bounded, "limits": exact.Limits(max_incidence=1.4)}
+    if bounded:
+        asked["min_baseline"] = 0.01 * cameras[0].target_distance
+        asked["max_error"] = exact.evaluate(scene, cameras, **asked).error_quantiles([0.5])[0]
+    found, again = (
+        exact.evaluate(scene, cameras, all_views=all_views, workers=workers, **asked) for all_views in (False, True)
+    )
+    assert found.area > 0 and again.area == pytest.approx(found.area, rel=2e-6 if bounded else 1e-9)
+    np.testing.assert_allclose(again.level_areas, found.level_areas, rtol=1e-9, atol=1e-12)
+    assert again.error_rms == pytest.approx(found.error_rms, rel=1e-6)
+    assert again.error_quantiles([0.2, 0.8]) == pytest.approx(found.error_quantiles([0.2, 0.8]), rel=1e-3)
+    largest = 0.9 * found.error_quantiles([0.5])[0]
+    assert again.area_to(largest) == pytest.approx(found.area_to(largest), rel=1e-5, abs=1e-6 * mesh.area)
+    for level in (None, 0, 1):
+        assert again.to_mesh(level).area == pytest.approx(found.to_mesh(level).area, rel=2e-6, abs=1e-9 * mesh.area)
+    triangles = again.to_mesh(errors=True)
+    assert triangles.area == pytest.approx(found.to_mesh(errors=True).area, rel=2e-6)
+
+
 @pytest.mark.parametrize("name", sorted(MESHES))
 def test_areas_to_an_error_by_many_small_triangles(name):
     rng, mesh, cameras = request(1, name, 12)
