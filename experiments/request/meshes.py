@@ -12,7 +12,7 @@ import exact
 import meshes
 from experiments.files.errors import InputError
 from experiments.request import placing
-from experiments.request.outlook import places, unit_words, warnings_about
+from experiments.request.outlook import MANY_FACES, forecast, places, unit_words, warnings_about
 from experiments.terminal.console import note
 from experiments.terminal.progress import working
 from meshes.condition import overlapping
@@ -126,6 +126,11 @@ def subject(
             note(f"{kind}: {name}: {'; '.join(words)}")
     for words in about.warnings:
         note(f"warning: {words}")
+    if len(mesh.faces) >= MANY_FACES:
+        note(
+            f"note: {name}: {len(mesh.faces)} faces; one layout of eight cameras takes {forecast(len(mesh.faces))}; "
+            "a search scores hundreds of layouts"
+        )
     return about
 
 

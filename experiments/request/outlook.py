@@ -18,6 +18,10 @@ PLACES = 8
 BACK, PART_AWAY = 0.05, 0.002
 # Of a mesh less than this part in view is likely a mesh in another unit or place.
 IN_VIEW = 0.01
+# What eight cameras take of a face, from a plain surface to deep folds [s of one core], and of memory [bytes]
+# (`camring bench meshes`). With so many faces it is worth to be told.
+LEAST_SECONDS, MOST_SECONDS, BYTES = 2e-5, 2e-4, 1500
+MANY_FACES = 200_000
 
 
 @dataclass(frozen=True)
@@ -66,6 +70,24 @@ def seen(mesh: trimesh.Trimesh, ring: exact.Ring) -> Outlook:
     turned = inwards(vertices, faces, body) if 1 < len(found.front) else np.zeros(1, dtype=bool)
     turned &= (found.front > PART_AWAY * found.front.sum()) & (found.front < 0.5 * found.front.sum())
     return Outlook(round(_in_view(found), 5), round(found.back_share, 5), _away(found), int(turned.sum()))
+
+
+def forecast(n_faces: int) -> str:
+    """What an evaluation takes, in words.
+
+    Examples
+    --------
+    >>> forecast(4_000), forecast(1_000_000)
+    ('under 1 s', '20 s to 3 min of one core and 1.5 GB')
+    """
+    least, most, memory = n_faces * LEAST_SECONDS, n_faces * MOST_SECONDS, n_faces * BYTES / 1e9
+    if most < 1.0:
+        return "under 1 s"
+    return f"{_duration(least)} to {_duration(most)} of one core" + (f" and {memory:.1f} GB" if memory > 0.3 else "")
+
+
+def _duration(seconds: float) -> str:
+    return f"{seconds / 60:.0f} min" if seconds >= 90 else f"{max(seconds, 1.0):.0f} s"
 
 
 def _in_view(found: Facing) -> float:

@@ -13,7 +13,7 @@ from experiments.files.whole import output_file
 from experiments.request import placing
 from experiments.request import rig as rig_file
 from experiments.request.meshes import USUAL_FOV, is_site, printable
-from experiments.request.outlook import IN_VIEW, places, seen, unit_words
+from experiments.request.outlook import IN_VIEW, forecast, places, seen, unit_words
 from experiments.terminal.console import note, print_json, table, terminal
 from experiments.terminal.progress import working
 
@@ -82,6 +82,7 @@ def _print(
         ("seen by the cameras", f"{100 * in_view:.1f} % of its surface, of which {100 * (found.back_share or 0):.1f} % "
                                 "from behind"
                                 + ("; --place auto finds a place for the ring" if in_view < IN_VIEW else "")),
+        ("eight cameras take", forecast(found.n_faces)),
         ("mended unasked", "; ".join(found.notes) or "nothing"),
         ("--repair", _repair(found)),
         ("without --repair", f"refused: {refused}" if refused else "used as it is"),
