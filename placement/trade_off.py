@@ -150,7 +150,7 @@ def trade(
             "two; ask for more cameras, and a threshold of at least 2"
         )
     report("searching", 0, 1)
-    pool, _ = search(problem, space)
+    pool, _, _ = search(problem, space)
     rng = np.random.default_rng([problem.seed, 4])
     searched: list[np.ndarray] = list(pool[:N_SCORED])
     broad = _broadly(coverage, space, rng, CHOICES_PER_START * problem.settings.n_starts)

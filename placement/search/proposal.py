@@ -83,8 +83,8 @@ def propose(
 
     report("searching", 0, 1)
     known = extended(problem, space, starts)
-    pool, counts = search(problem, space, known)
-    layouts = [("search", layout) for layout in pool[: settings.exact_candidates]]
+    pool, alone, counts = search(problem, space, known)
+    layouts = [("search", layout) for layout in (*pool[: settings.exact_candidates], *alone)]
     layouts += [("start", layout) for layout in known]
     clock.lap("search")
     if give_up > 0:
@@ -125,7 +125,8 @@ def propose(
     scored = list({found.angles: found for found in reversed(scored)}.values())[::-1]
     n_moves = 0
     if settings.polish_steps and space.n_free:
-        ends, n_moves = _polished(problem, space, scorer, [found.angles for found in scored], report)
+        leading = [np.array(found.angles) for found in scored]
+        ends, n_moves = _polished(problem, space, scorer, leading, alone, report)
         n_exact += len(ends)
         scored += [candidate(end, "polish") for end in ends]
         scored = list({found.angles: found for found in sorted(scored, key=lambda found: -found.fraction)}.values())
@@ -177,12 +178,23 @@ def propose(
 
 
 def _polished(
-    problem: "Problem", space: LayoutSpace, scorer: ExactScorer, layouts: list, report: Progress
+    problem: "Problem",
+    space: LayoutSpace,
+    scorer: ExactScorer,
+    layouts: list[np.ndarray],
+    alone: list[np.ndarray],
+    report: Progress,
 ) -> tuple[list[np.ndarray], int]:
-    """Local optima of the exact area from the leading of some layouts, best first; also the places tried."""
+    """Local optima of the exact area from the leading of some layouts, best first; also the places tried.
+
+    Known layouts have been polished before, and others would not stand up to them: of those found `alone` the best is
+    polished too.
+    """
     settings, demand = problem.settings, scorer.demand
-    leading = [np.array(layouts[i]) for i in distinct([np.array(one) for one in layouts], settings.distinct_tolerance)]
-    leading = leading[: settings.polish_candidates]
+    leading = [layouts[i] for i in distinct(layouts, settings.distinct_tolerance)][: settings.polish_candidates]
+    if alone:
+        both = [*leading, max(alone, key=scorer.fraction)]
+        leading = [both[i] for i in distinct(both, settings.distinct_tolerance)]
     report("polishing", 0, 2)
     if not demand.has_derivative:
         end, n_moves = polish_by_steps(scorer, space, leading[0], settings.polish_steps, settings.polish_sweeps)

@@ -15,6 +15,9 @@ if TYPE_CHECKING:
     from placement.problem import Problem
     from placement.surrogate.descent import DescentEnd
 
+# Layouts found without those that are known to start from.
+N_ALONE = 2
+
 
 def import_descent() -> None:
     """Import what a search needs, JAX with it: a second or two that may pass in a thread, beside other work."""
@@ -23,13 +26,14 @@ def import_descent() -> None:
 
 def search(
     problem: "Problem", space: LayoutSpace, known: Sequence[np.ndarray] = ()
-) -> tuple[list[np.ndarray], dict[str, int]]:
+) -> tuple[list[np.ndarray], list[np.ndarray], dict[str, int]]:
     """Distinct layouts, the one that reconstructs most of the samples first, and counts of what happened.
 
-    `known` are layouts to start from beside those of the settings.
+    `known` are layouts to start from beside those of the settings. The best found without them come by themselves too:
+    layouts with one camera more than a good one, wherever it sits, would leave no room for any other.
     """
     if space.n_free == 0:
-        return [np.array(space.constraints.fixed)], dict(n_starts=0, n_failed=0, n_flat=0, n_distinct=1)
+        return [np.array(space.constraints.fixed)], [], dict(n_starts=0, n_failed=0, n_flat=0, n_distinct=1)
     settings, (coverage, surrogate) = problem.settings, problem.coverage(space.constraints)
     rng = np.random.default_rng([problem.seed, 1])
     starts = _starts(problem, space, rng)
@@ -42,10 +46,16 @@ def search(
         ends = _descended(starts, surrogate, space, settings)
     usable = [end for end, failed in zip(ends.angles, ends.failed, strict=True) if not failed and space.allows(end)]
     # From the starts too: where the soft landscape leads all starts past an optimum, moving one camera may find it.
-    found = usable + [coverage.improve(space, layout) for layout in (*usable, *starts, *known)]
+    alone = usable + [coverage.improve(space, layout) for layout in (*usable, *starts)]
+    found = alone + [coverage.improve(space, layout) for layout in known]
     leading = _distinct(found, problem, space)[: settings.n_pair_searches]
-    kept = _distinct(found + [coverage.improve_pairs(space, layout) for layout in leading], problem, space)
-    return kept, dict(n_starts=len(starts), n_failed=n_failed, n_flat=n_flat, n_distinct=len(kept))
+    found += [coverage.improve_pairs(space, layout) for layout in leading]
+    kept = _distinct(found, problem, space)
+    counts = dict(n_starts=len(starts), n_failed=n_failed, n_flat=n_flat, n_distinct=len(kept))
+    if not known:
+        return kept, [], counts
+    best = max(alone, key=coverage.worth)
+    return kept, _distinct([*alone, coverage.improve_pairs(space, best)], problem, space)[:N_ALONE], counts
 
 
 def _descended(starts: list[np.ndarray], surrogate: Surrogate, space: LayoutSpace, settings: Settings) -> "DescentEnd":
