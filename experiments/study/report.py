@@ -9,7 +9,7 @@ from tabulate import tabulate
 from experiments.files.whole import written_whole
 from experiments.study.figures import write_figures
 from experiments.study.rows import EquidistantRow, LayoutRow
-from experiments.study.savings import TARGETS, Saving, accuracy, headline, percent, savings, sites_of
+from experiments.study.savings import LEEWAY, TARGETS, Saving, accuracy, headline, percent, savings, sites_of
 
 CAPTIONS = {
     "study_curves.png": "What each layout misses of the ring maximum, site by site.",
@@ -41,7 +41,8 @@ def page(layouts: Sequence[LayoutRow], even: Sequence[EquidistantRow], figures: 
         "\n".join(f"- {sentence}" for sentence in (*headline(found), *accuracy(layouts))),
         *(f"![{CAPTIONS[name]}]({images}{name})\n\n{CAPTIONS[name]}" for name in figures),
         "## Fewest cameras: optimised / as accurate / equidistant",
-        "*As accurate*: optimised, with no more error than the fewest equidistant cameras that reach the target.",
+        f"*As accurate*: optimised, with at most {percent(LEEWAY)} more error than the fewest equidistant cameras that "
+        "reach the target.",
         _savings_table(found),
         "## Every number of cameras",
         "Percent of the ring maximum, and RMS error in depth [mm]. *Most area* is the greatest found; *proposed* the "

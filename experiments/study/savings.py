@@ -8,13 +8,15 @@ import numpy as np
 from experiments.study.rows import EquidistantRow, LayoutRow
 
 TARGETS = (0.95, 0.99, 0.999)
+# Of two layouts the one with up to so much more error is as accurate.
+LEEWAY = 0.05
 
 
 @dataclass(frozen=True)
 class Saving:
     """The fewest cameras on one site that reach a target; None if none of the numbers tried does.
 
-    `as_accurate` are the fewest optimised ones that reach it with no more error than the `equidistant` ones that do.
+    `as_accurate` are the fewest optimised ones that reach it as accurately as the `equidistant` ones that do.
     """
 
     site: str
@@ -49,7 +51,7 @@ def savings(layouts: Sequence[LayoutRow], even: Sequence[EquidistantRow]) -> lis
             enough = [row for row in rings if row.fraction is not None and row.fraction >= target]
             ring = min(enough, key=lambda row: row.n_cameras, default=None)
             reach = [(row.n_cameras, error) for row in rows for fraction, error in _found(row) if fraction >= target]
-            accurate = [n for n, error in reach if ring is not None and _at_most(error, ring.error_rms_mm)]
+            accurate = [n for n, error in reach if ring is not None and _as_accurate(error, ring.error_rms_mm)]
             fewest = min((n for n, _ in reach), default=None)
             as_accurate = min(accurate, default=None)
             found.append(Saving(site, depth, target, fewest, as_accurate, None if ring is None else ring.n_cameras))
@@ -70,7 +72,7 @@ def headline(found: Sequence[Saving]) -> list[str]:
             if one.equidistant is not None and one.as_accurate is not None
         ]
         if any(saved > 0 for saved in both):
-            sentence += f"; with no more error than those equidistant ones on {_spared(accurate, len(rows))}"
+            sentence += f"; as accurately as those equidistant ones on {_spared(accurate, len(rows))}"
         unknown = len(rows) - len(both)
         if unknown:
             sentence += f"; on {unknown} it is out of reach of the numbers of cameras tried"
@@ -122,8 +124,8 @@ def _found(row: LayoutRow) -> list[tuple[float, float | None]]:
     return [(fraction, error) for fraction, error in both if fraction is not None]
 
 
-def _at_most(error: float | None, other: float | None) -> bool:
-    return error is not None and other is not None and error <= other
+def _as_accurate(error: float | None, other: float | None) -> bool:
+    return error is not None and other is not None and error <= (1 + LEEWAY) * other
 
 
 def _spared(saved: Sequence[int], n_sites: int) -> str:

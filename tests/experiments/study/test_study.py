@@ -177,7 +177,7 @@ def test_committed_layouts_have_the_areas_and_errors_that_they_say(site, depth):
         seen, most = (
             exact.evaluate(
                 mesh, ring.cameras(np.radians(angles)), exclude=meshes.top_surface(mesh), min_baseline=baseline,
-                limits=exact.Limits(min_pixel_density=one.min_pixel_density),
+                limits=exact.Limits(min_pixel_density=one.min_pixel_density), depth_axis=ring.axis,
             )
             for angles in (one.angles_deg, one.most_area_angles_deg)
         )  # fmt: skip
