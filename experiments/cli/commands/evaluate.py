@@ -146,7 +146,7 @@ def _evaluate(asked: Request, given: _Cameras, with_maximum: bool) -> tuple[exac
     cameras = given.all()
     n_ring = asked.rig.settings.ring_cameras if with_maximum else 0
     with progress_bar("evaluating", 2 * len(cameras) + n_ring * len(given.rings)) as advance:
-        result = exact.evaluate(scene, cameras, demand=given.demand, report=advance, all_views=True)
+        result = exact.evaluate(scene, cameras, demand=given.demand, report=advance)
         single = []
         for camera in cameras:
             single.append(exact.evaluate(scene, [camera], threshold=1).area)
