@@ -95,7 +95,7 @@ def evaluate(
     criterion = demand.of(cameras, scene.surface)
     until = every_view(demand, cameras) if all_views else criterion
     seen = tally(scene.surface, cameras, until, scene.counted, checked_workers(workers), report, depth_order, scene.lit)
-    return of_tally(scene, demand, cameras, criterion, seen, seen if all_views else None)
+    return of_tally(scene, demand, cameras, criterion, seen, all_views)
 
 
 def of_tally(
@@ -104,9 +104,9 @@ def of_tally(
     cameras: tuple[Camera, ...],
     criterion: Criterion,
     seen: Tally,
-    all_views: Tally | None = None,
+    all_views: bool = False,
 ) -> Reconstruction:
-    """What is reconstructed where the cameras see what has been `seen`; `all_views` of that, if they are known."""
+    """What is reconstructed where the cameras see what has been `seen`; `all_views` says that all were asked."""
     met = reconstructed(scene.surface, scene.counted, seen, criterion)
     levels = [
         reconstructed(scene.surface, scene.counted, seen, Criterion(level)) for level in range(1, demand.threshold + 1)

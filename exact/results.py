@@ -48,7 +48,7 @@ class Reconstruction:
     _cameras: tuple[Camera, ...] = field(repr=False)
     _tally: Tally = field(repr=False)
     _met: tuple[np.ndarray, Pieces] = field(repr=False)
-    _known_views: Tally | None = field(default=None, repr=False)
+    _has_all_views: bool = field(default=False, repr=False)
 
     @property
     def threshold(self) -> int:
@@ -135,8 +135,8 @@ class Reconstruction:
     @cached_property
     def _all_views(self) -> Tally:
         """What is reconstructed at least, cut where the set of cameras that see it changes."""
-        if self._known_views is not None:
-            return self._known_views
+        if self._has_all_views:
+            return self._tally
         surface, (whole, pieces) = self.scene.surface, self._met
         is_cut = np.zeros_like(whole)
         is_cut[pieces.face] = True
@@ -149,7 +149,7 @@ class Reconstruction:
     @cached_property
     def _accurate(self) -> tuple[np.ndarray, Pieces]:
         """As `_met`, cut where the set of cameras changes."""
-        if self._known_views is not None:
+        if self._has_all_views:
             return self._met
         criterion = replace(self.demand.of(self._cameras, self.scene.surface), bound=None)
         return reconstructed(self.scene.surface, self.scene.counted, self._all_views, criterion)
