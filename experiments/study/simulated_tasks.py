@@ -40,8 +40,8 @@ class Plan:
     sites, tested : tuple of (str, int)
         Reference sites and their depths [mm], all for the default field of view. Limits are chosen on the former, and
         tested on the latter.
-    counts : tuple of int
-        Numbers of cameras.
+    counts, tested_counts : tuple of int
+        Numbers of cameras on the former, and on the latter.
     width : int
         Pixels along the longer side of the images.
     further_widths : tuple of int
@@ -52,25 +52,33 @@ class Plan:
     sites: tuple[Site, ...]
     tested: tuple[Site, ...]
     counts: tuple[int, ...]
+    tested_counts: tuple[int, ...]
     width: int
     further_widths: tuple[int, ...]
     further_count: int
 
     @staticmethod
     def of(quick: bool) -> "Plan":
-        """Eight sites with 2 to 8 cameras; or with `quick` one of them with two and four, in small images.
+        """Four sites with 2 to 8 cameras and four for a test; or with `quick` one with two and four, in small images.
 
         Examples
         --------
         >>> plan = Plan.of(False)
-        >>> len(plan.sites), len(plan.tested), Plan.of(True).width
-        (4, 4, 360)
+        >>> len(plan.requests), len(Plan.of(True).requests)
+        (24, 2)
         """
         if quick:
-            return Plan((("circ_artery", 50),), (), (2, 4), 360, (), 4)
+            return Plan((("circ_artery", 50),), (), (2, 4), (), 360, (), 4)
         sites = (("circ_artery", 50), ("circ_overhang", 50), ("elliptical", 50), ("spine_disc", 50))
         tested = (("circ_angled", 50), ("circ_flat", 50), ("circ_overhang", 100), ("elliptical", 100))
-        return Plan(sites, tested, (2, 4, 6, 8), 720, (360, 1800), 4)
+        return Plan(sites, tested, (2, 4, 6, 8), (2, 4), 720, (360, 1800), 4)
+
+    @property
+    def requests(self) -> list[tuple[Site, int]]:
+        """Every site with each of its numbers of cameras."""
+        return [(site, n) for site in self.sites for n in self.counts] + [
+            (site, n) for site in self.tested for n in self.tested_counts
+        ]
 
 
 def reconstructed(site: Sequence, detail: str, angles_deg: Sequence[float], width: int, seed: int) -> dict[str, Any]:
@@ -152,8 +160,7 @@ def layout_tasks(plan: Plan, detail: str) -> list[tuple[Site, int, Task]]:
     """A task for each site and number of cameras."""
     return [
         (site, n, Task(layouts, {"site": named(site, detail), "detail": detail, "n_cameras": n}, cost=1.0 + n))
-        for site in (*plan.sites, *plan.tested)
-        for n in plan.counts
+        for site, n in plan.requests
     ]
 
 
@@ -162,21 +169,20 @@ def simulation_tasks(
 ) -> list[tuple[dict[str, Any], Task]]:
     """A task for each layout, with what it is about; the same layout of two kinds is one task."""
     tasks = []
-    for site in (*plan.sites, *plan.tested):
-        for n in plan.counts:
-            again = site == plan.sites[0] and n == plan.further_count
-            for width in (plan.width, *(plan.further_widths if again else ())):
-                for kind in KINDS:
-                    inputs = {
-                        "site": named(site, detail), "detail": detail, "angles_deg": angles[site, n][kind],
-                        "width": width, "seed": seed,
-                    }  # fmt: skip
-                    about = {
-                        "site": site[0], "depth_mm": site[1], "n_cameras": n, "kind": kind, "width_px": width,
-                        "tested": site in plan.tested,
-                    }  # fmt: skip
-                    cost = (n + n * (n - 1)) * (width / plan.width) ** 2
-                    tasks.append((about, Task(reconstructed, inputs, cost=cost, packages=PACKAGES)))
+    for site, n in plan.requests:
+        again = site == plan.sites[0] and n == plan.further_count
+        for width in (plan.width, *(plan.further_widths if again else ())):
+            for kind in KINDS:
+                inputs = {
+                    "site": named(site, detail), "detail": detail, "angles_deg": angles[site, n][kind],
+                    "width": width, "seed": seed,
+                }  # fmt: skip
+                about = {
+                    "site": site[0], "depth_mm": site[1], "n_cameras": n, "kind": kind, "width_px": width,
+                    "tested": site in plan.tested,
+                }  # fmt: skip
+                cost = (n + n * (n - 1)) * (width / plan.width) ** 2
+                tasks.append((about, Task(reconstructed, inputs, cost=cost, packages=PACKAGES)))
     return tasks
 
 
