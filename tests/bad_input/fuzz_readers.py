@@ -118,7 +118,11 @@ def main(arguments: list[str]) -> None:
     import atheris
 
     target, *options = arguments
-    parsers = {"mesh": ["meshes", "trimesh"], "layout": ["experiments", "json"], "rig": ["experiments", "tomllib"]}
+    parsers = {
+        "mesh": ["meshes", "trimesh.exchange"],
+        "layout": ["experiments", "json"],
+        "rig": ["experiments", "tomllib"],
+    }
     with atheris.instrument_imports(include=parsers[target]):
         import meshes  # noqa: F401
         from experiments.request import rig  # noqa: F401

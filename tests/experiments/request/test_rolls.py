@@ -72,12 +72,17 @@ def test_a_layout_brings_its_rolls(camring, plate, tmp_path):
         assert status == 0, err
         assert json.loads(out)["area_mm2"] == pytest.approx(area, rel=1e-4)
         assert matplotlib.image.imread(images / "camera_02.png").size
-    other = put(tmp_path, "other.json", json.dumps(LAYOUT | {"ring": ring, "angles_deg": [90, 270]}))
+
+
+def test_layouts_with_rolls_and_without_are_compared(camring, plate, tmp_path):
+    given = LAYOUT | {"ring": RING | {"diameter_mm": 0.01}, "angles_deg": [90, 270]}
+    crossed = put(tmp_path, "layout.json", json.dumps(given | {"rolls_deg": [0.0, 90.0]}))
+    other = put(tmp_path, "other.json", json.dumps(given))
     assert read(other).rolls is None
-    status, out, err = camring("compare", layout, other, "--mesh", plate, "--out", tmp_path / "compared", "--json")
+    status, out, err = camring("compare", crossed, other, "--mesh", plate, "--out", tmp_path / "compared", "--json")
     assert status == 0, err
     areas = [one["area_mm2"] for one in json.loads(out)["layouts"]]
-    assert areas == pytest.approx([area, ALONG], rel=1e-4)
+    assert areas == pytest.approx([24.0 * 24.0, ALONG], rel=1e-4)
 
 
 def test_the_designer_takes_no_layout_with_rolls_of_its_own(camring, plate, tmp_path):
