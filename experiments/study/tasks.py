@@ -190,7 +190,7 @@ def equidistant(site: Sequence, detail: str, counts: Sequence[int]) -> dict[str,
     mesh, ring = site_mesh(name, depth, detail, mesh_hash), exact.Ring()
     top = meshes.top_surface(mesh)
     (whole,) = exact.areas(mesh, [ring.cameras(ring.equidistant(placement.Settings().ring_cameras))], exclude=top)
-    found = [exact.evaluate(mesh, ring.cameras(ring.equidistant(n)), exclude=top) for n in counts]
+    found = [exact.evaluate(mesh, ring.cameras(ring.equidistant(n)), exclude=top, all_views=True) for n in counts]
     return {
         "fractions": [float(one.area / whole) for one in found],
         "errors_rms_mm": [one.errors.rms() for one in found],
