@@ -16,7 +16,7 @@ demo: .venv/installed
 test: .venv/installed-test lint
 	$(BIN)/pytest -n 2
 
-# Those that take long, too: twice as long as `make test`.
+# Those that take long, too: three times as long as `make test`.
 test-all: .venv/installed-test lint
 	$(BIN)/pytest -n 2 --all
 
