@@ -30,8 +30,6 @@ N_FILLED = 6
 N_SCORED = 3
 # Layouts are scored exactly that others beat on the samples by no more than this, in area and in parts of the error.
 SLACK = 0.001
-# What a layout of the curve must at least win over one with more area, in parts of the error.
-LEAST_WON = 0.005
 # Layouts with which the search goes on for the next.
 N_LAYOUTS = 6
 # Opposite pairs to compare with, turned against each other in equal steps.
@@ -84,8 +82,7 @@ class TradeOff:
     Attributes
     ----------
     layouts : tuple of TradedLayout
-        Those of which none has both more area and less error, greatest area first; one stands for others that are
-        within half a percent of its error and have less area.
+        Those of which none has both more area and less error, greatest area first.
     compared : tuple of TradedLayout
         Equidistant rings at several phases and opposite pairs, where they are allowed.
     bound_fraction : float or None
@@ -271,19 +268,15 @@ def compared_layouts(space: LayoutSpace) -> list[tuple[str, np.ndarray]]:
 def undominated(layouts: Sequence[TradedLayout]) -> tuple[TradedLayout, ...]:
     """Layouts of which none has both more area and less error, greatest area first.
 
-    Where two differ by less than half a percent in the error, the one with more area stands for both, but for the one
-    that has the least error of all.
-
     Examples
     --------
     >>> three = [TradedLayout((0.0, 1.0), "searched", 1.0, *at) for at in ((0.8, 0.1), (0.9, 0.2), (0.7, 0.3))]
     >>> [layout.fraction for layout in undominated(three)]
     [0.9, 0.8]
     """
-    best: list[TradedLayout] = []
-    lowest = min((layout.error_rms for layout in layouts), default=np.inf)
+    best, least = [], np.inf
     for layout in sorted(layouts, key=lambda one: (-one.fraction, one.error_rms)):
-        least = best[-1].error_rms if best else np.inf
-        if layout.error_rms < least * (1 - LEAST_WON) or lowest == layout.error_rms < least:
+        if layout.error_rms < least:
             best.append(layout)
+            least = layout.error_rms
     return tuple(best)
