@@ -24,7 +24,7 @@ from tests.support.files import LAYOUT
 pytestmark = pytest.mark.usefixtures("unchecked")
 
 FUZZER = Path(__file__).parent / "fuzz_readers.py"
-QUICK = settings(max_examples=100, deadline=None)
+QUICK = settings(max_examples=300, deadline=None)
 
 NUMBERS = (
     st.floats(width=64)

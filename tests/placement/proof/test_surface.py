@@ -95,10 +95,8 @@ def test_it_knows_what_is_asked(walls, asked):
 
 @pytest.mark.parametrize("objective", ["mean", "worst"])
 def test_several_sites(walls, bars, objective):
-    settings = replace(QUICK, certificate_step=float(np.radians(30)))
-    asked = {"settings": settings, "objective": objective, "site_weights": [1, 3]}
-    found = placement.certify([walls, bars], RING, 2, **asked).surface
-    of_sites = np.stack([exact_fractions(one, every_layout(2, step_deg=30)) for one in (walls, bars)])
+    found = placement.certify([walls, bars], RING, 2, settings=QUICK, objective=objective, site_weights=[1, 3]).surface
+    of_sites = np.stack([exact_fractions(one, every_layout(2)) for one in (walls, bars)])
     combined = of_sites.min(axis=0) if objective == "worst" else np.array([0.25, 0.75]) @ of_sites
     assert combined.max() <= found.bound_fraction <= combined.max() + found.small_fraction + 1e-4
     assert found.fraction == pytest.approx(combined.max(), abs=found.small_fraction + 1e-9)
