@@ -14,7 +14,7 @@ from placement.layouts.distinct import canonical, distinct
 from placement.progress import Progress, nothing
 from placement.proof.certificate import certify_samples
 from placement.samples.sampled_coverage import SampledCoverage
-from placement.search.accurate import accurate_layouts
+from placement.search.accurate import accurate_layouts, with_more_coverage
 from placement.search.search import search
 
 if TYPE_CHECKING:
@@ -26,6 +26,8 @@ GIVEN_UP = (0.0005, 0.001, 0.002, 0.003, 0.005, 0.008, 0.012, 0.018, 0.025, 0.03
 N_FRESH = 10
 # Further such searches where the curve found so far takes its widest steps.
 N_FILLED = 6
+# Layouts on each side along the curve from which more coverage is looked for at the error of one of them.
+N_BESIDE = 2
 # Leading layouts of the search, which have the most area.
 N_SCORED = 3
 # Layouts are scored exactly that others beat on the samples by no more than this, in area and in parts of the error.
@@ -167,9 +169,10 @@ def trade(
             starts = [*starts, *fresh, *_within(broad, coverage.worth(pool[0]) - given_up)]
         last = accurate_layouts(problem, space, pool, given_up, starts)[:N_LAYOUTS]
         searched += last
+    compared = [(kind, layout) for kind, layout in compared_layouts(space) if space.allows(layout)]
+    searched += _raised(coverage, space, [*searched, *(layout for _, layout in compared)])
     report("trading area for accuracy", 1, 1)
     found = [("searched", searched[i]) for i in _leading(coverage, searched)]
-    compared = [(kind, layout) for kind, layout in compared_layouts(space) if space.allows(layout)]
     layouts = found + compared
     bound = None
     if certify:
@@ -238,6 +241,18 @@ def _leading(coverage: SampledCoverage, layouts: Sequence[np.ndarray]) -> list[i
     error = np.array([coverage.error(layout) for layout in layouts])
     order = np.argsort(-worth, kind="stable").tolist()
     return [i for i in order if not ((worth > worth[i] + SLACK) & (error < error[i] * (1 - SLACK))).any()]
+
+
+def _raised(coverage: SampledCoverage, space: LayoutSpace, layouts: Sequence[np.ndarray]) -> list[np.ndarray]:
+    """Layouts with the errors of those of the curve and more coverage, where there are any."""
+    curve = [layouts[i] for i in _leading(coverage, layouts)]
+    errors = [coverage.error(layout) for layout in curve]
+    raised = [
+        with_more_coverage(coverage, space, error, curve[max(at - N_BESIDE, 0) : at + N_BESIDE + 1])
+        for at, error in enumerate(errors)
+        if np.isfinite(error)
+    ]
+    return [layout for layout in raised if layout is not None]
 
 
 def _widest_step(

@@ -1,7 +1,7 @@
 """Moves on samples of cameras on several rings: one at a time to any place of any ring, and two at once."""
 
 import itertools
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -14,15 +14,13 @@ from exact.usable.disparity import plane_gradients
 from exact.usable.information import variance
 from placement.rings.ring_places import Places, RingsSpace, cameras_of
 from placement.rings.rings_samples import RingsSamples
+from placement.samples.value import Value, value_of_one
 from placement.samples.viewed_samples import worth_of
 
 # Ring angles of each ring that a single camera may be moved to, and two at once: steps of 5° and of 15°.
 N_ANGLES, N_PAIR_ANGLES = 72, 24
 # A gain smaller than this part of all weight is rounding of single precision.
 WORTHWHILE = 1e-6
-
-# What is compared, from what layouts are worth and their errors [mm].
-Value = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,7 +101,7 @@ class RingsCoverage:
             Steps along its ring from where a camera is, instead of all places [rad].
         """
         seen = self.samples.seen(places)
-        best = float(self._value(*self._one(self.measured(places)), value)[0]) if value else self.worth(places)
+        best = value_of_one(value, *self.measured(places)) if value else self.worth(places)
         least_gain = self._least_gain if value is None else 1e-9
         for _ in range(max_sweeps):
             before = best
@@ -154,10 +152,6 @@ class RingsCoverage:
         if near is None:
             return self.grid
         return Views(self.samples, Places.on(int(places.ring[camera]), places.angles[camera] + near))
-
-    @staticmethod
-    def _one(measured: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
-        return np.array([measured[0]]), np.array([measured[1]])
 
     @staticmethod
     def _value(worth: np.ndarray, error: np.ndarray, value: Value | None) -> np.ndarray:

@@ -3,8 +3,9 @@
 import numpy as np
 
 from placement.rings.ring_places import Places, RingsSpace, distinct_places
-from placement.rings.rings_coverage import RingsCoverage, Value
-from placement.search.accurate import N_PLACES, PENALTY, RESERVE, WINDOWS
+from placement.rings.rings_coverage import RingsCoverage
+from placement.samples.value import Value, less_error, value_of_one
+from placement.search.accurate import N_PLACES, RESERVE, WINDOWS
 from placement.settings import Settings
 
 # Layouts with little error: how many good ones to start from, and how many are refined.
@@ -38,7 +39,7 @@ def accurate_rings(
 
     def best_first(of: RingsCoverage, layouts: list[Places]) -> list[Places]:
         value = _value_of(of, starts[0], give_up)
-        worth = [float(value(*(np.array([one]) for one in of.measured(layout)))[0]) for layout in layouts]
+        worth = [value_of_one(value, *of.measured(layout)) for layout in layouts]
         ordered = [layouts[i] for i in np.argsort(-np.array(worth), kind="stable")]
         return [ordered[i] for i in distinct_places(ordered, settings.distinct_tolerance)]
 
@@ -51,15 +52,8 @@ def accurate_rings(
 
 
 def _value_of(coverage: RingsCoverage, first: Places, give_up: float) -> Value:
-    """What is compared: minus the logarithm of the error, and a penalty for too little coverage."""
     # The same samples that are compared decide what the best of them is.
-    least = coverage.worth(first) - (1 - RESERVE) * give_up
-
-    def value(worth: np.ndarray, error: np.ndarray) -> np.ndarray:
-        with np.errstate(divide="ignore"):
-            return np.asarray(-np.log(error) - PENALTY * np.maximum(least - worth, 0.0))
-
-    return value
+    return less_error(coverage.worth(first) - (1 - RESERVE) * give_up)
 
 
 def ranked(coverage: RingsCoverage, layouts: list[Places], tolerance: float) -> list[Places]:

@@ -12,6 +12,7 @@ import numpy as np
 from placement.layouts.arcs import LayoutSpace
 from placement.layouts.distinct import distinct
 from placement.samples.sampled_coverage import SampledCoverage
+from placement.samples.value import Value, less_error, more_coverage, value_of_one
 
 if TYPE_CHECKING:
     from placement.problem import Problem
@@ -20,8 +21,6 @@ if TYPE_CHECKING:
 N_LEADING, N_EVEN, N_PAIRS = 6, 6, 12
 # One in so many of the samples is enough to compare layouts by, and all of them for the best of these.
 THINNING, N_REFINED = 4, 6
-# Falling short of the least coverage by 1 % of the ring maximum weighs as much as an error e times as large.
-PENALTY = 100.0
 # What of the coverage that may be given up the search keeps as a reserve: samples are not exact.
 RESERVE = 0.2
 # Windows around each camera in which its place is refined [rad], and places in each.
@@ -43,44 +42,57 @@ def accurate_layouts(
     coverage, _ = problem.coverage(space.constraints)
     if space.n_free == 0 or not np.isfinite(coverage.error(pool[0])):
         return []
-    least = coverage.worth(pool[0]) - (1 - RESERVE) * give_up
     thin = SampledCoverage(coverage.profiles.thinned(THINNING), coverage.demand, coverage.ring, len(coverage.grid))
     # The same samples that are compared decide what the best of them is.
-    thin_least = thin.worth(pool[0]) - (1 - RESERVE) * give_up
+    thin_value, value = (less_error(one.worth(pool[0]) - (1 - RESERVE) * give_up) for one in (thin, coverage))
     starts = starts or _starts(problem, space, pool)
-    found = [improved(thin, space, start, thin_least) for start in starts]
-    found.sort(key=lambda layout: -value(thin, layout, thin_least))
+    found = [_improved(thin, space, start, thin_value) for start in starts]
+    found.sort(key=lambda layout: -_valued(thin, layout, thin_value))
     leading = [found[i] for i in distinct(found, problem.settings.distinct_tolerance)][:N_REFINED]
-    refined = [_refined(coverage, space, layout, least) for layout in leading]
-    refined.sort(key=lambda layout: -value(coverage, layout, least))
+    refined = [_refined(coverage, space, layout, value) for layout in leading]
+    refined.sort(key=lambda layout: -_valued(coverage, layout, value))
     return [refined[i] for i in distinct(refined, problem.settings.distinct_tolerance)]
 
 
-def value(coverage: SampledCoverage, angles, least: float) -> float:
-    """What is compared: minus the logarithm of the error, and a penalty for too little coverage."""
-    return float(_value(np.array([coverage.worth(angles)]), np.array([coverage.error(angles)]), least)[0])
+def with_more_coverage(
+    coverage: SampledCoverage, space: LayoutSpace, greatest_error: float, starts: list[np.ndarray]
+) -> np.ndarray | None:
+    """The layout with the most sampled coverage that moves of single cameras lead to, with no more error [mm].
+
+    None where no start leads to one with so little error.
+    """
+    value, best = more_coverage(greatest_error), None
+    for start in starts:
+        end = _refined(coverage, space, _improved(coverage, space, start, value), value)
+        if coverage.error(end) <= greatest_error and (best is None or coverage.worth(end) > coverage.worth(best)):
+            best = end
+    return best
 
 
-def improved(coverage: SampledCoverage, space: LayoutSpace, angles, least: float, max_sweeps: int = 3) -> np.ndarray:
+def _valued(coverage: SampledCoverage, angles, value: Value) -> float:
+    return value_of_one(value, coverage.worth(angles), coverage.error(angles))
+
+
+def _improved(coverage: SampledCoverage, space: LayoutSpace, angles, value: Value, max_sweeps: int = 3) -> np.ndarray:
     """Move one free camera at a time to its best place on the coarse grid until no move gains anything."""
-    return _moved(coverage, space, angles, least, max_sweeps, lambda angle: None)
+    return _moved(coverage, space, angles, value, max_sweeps, lambda angle: None)
 
 
-def _refined(coverage: SampledCoverage, space: LayoutSpace, angles, least: float) -> np.ndarray:
+def _refined(coverage: SampledCoverage, space: LayoutSpace, angles, value: Value) -> np.ndarray:
     for window in WINDOWS:
         offsets = window * np.linspace(-1, 1, N_PLACES)
-        angles = _moved(coverage, space, angles, least, 1, lambda angle, offsets=offsets: angle + offsets)
+        angles = _moved(coverage, space, angles, value, 1, lambda angle, offsets=offsets: angle + offsets)
     return angles
 
 
-def _moved(coverage: SampledCoverage, space: LayoutSpace, angles, least: float, max_sweeps: int, places) -> np.ndarray:
+def _moved(coverage: SampledCoverage, space: LayoutSpace, angles, value: Value, max_sweeps: int, places) -> np.ndarray:
     theta = np.array(angles, dtype=np.float64)
-    best = value(coverage, theta, least)
+    best = _valued(coverage, theta, value)
     for _ in range(max_sweeps):
         before = best
         for camera in space.free_cameras(theta):
             others, grid = np.delete(theta, camera), places(theta[camera])
-            values = _value(*coverage.measured_with_one_more(others, grid), least)
+            values = value(*coverage.measured_with_one_more(others, grid))
             grid = coverage.pair_grid if grid is None else grid
             values[~space.allowed(grid, others)] = -np.inf
             at = int(values.argmax())
@@ -89,11 +101,6 @@ def _moved(coverage: SampledCoverage, space: LayoutSpace, angles, least: float, 
         if best <= before + 1e-9:
             break
     return theta
-
-
-def _value(worth: np.ndarray, error: np.ndarray, least: float) -> np.ndarray:
-    with np.errstate(divide="ignore"):
-        return np.asarray(-np.log(error) - PENALTY * np.maximum(least - worth, 0.0))
 
 
 def _starts(problem: "Problem", space: LayoutSpace, pool: list[np.ndarray]) -> list[np.ndarray]:

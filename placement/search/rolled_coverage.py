@@ -1,7 +1,6 @@
 """Moves on samples of cameras that each have a ring angle and a roll: one at a time, and two at once."""
 
 import itertools
-from collections.abc import Callable
 from functools import cached_property
 from typing import NamedTuple
 
@@ -11,6 +10,7 @@ from jaxtyping import Bool, Float
 import exact
 from placement.layouts.arcs import LayoutSpace
 from placement.samples.rolled_samples import HALF_TURN, RolledSamples, RolledViews
+from placement.samples.value import Value, value_of_one
 from placement.samples.viewed_samples import ViewedSamples
 
 # Ring angles and rolls a single camera may be moved to, and two at once: steps of 5° and 7.5°, of 15° and 15°.
@@ -27,10 +27,6 @@ class RolledLayout(NamedTuple):
     """Ring angles [rad]."""
     rolls: Float[np.ndarray, " M"]
     """As `exact.Ring.cameras` takes them [rad]."""
-
-
-# What is compared, from what layouts are worth and their errors [mm].
-Value = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 
 class RolledCoverage:
@@ -170,7 +166,7 @@ class RolledCoverage:
         worth = self._viewed.worth(seen, theta)
         if value is None:
             return worth
-        return float(value(np.array([worth]), np.array([self._viewed.error(seen, theta)]))[0])
+        return value_of_one(value, worth, self._viewed.error(seen, theta))
 
     def _with_one_more(
         self, theta: np.ndarray, seen: Bool[np.ndarray, "M N"], views: RolledViews, value: Value | None

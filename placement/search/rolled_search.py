@@ -11,7 +11,8 @@ import numpy as np
 from placement.layouts.arcs import LayoutSpace
 from placement.layouts.distinct import distinct
 from placement.samples.rolled_samples import canonical_rolled
-from placement.search.accurate import PENALTY, RESERVE
+from placement.samples.value import Value, less_error, value_of_one
+from placement.search.accurate import RESERVE
 from placement.search.rolled_coverage import RolledCoverage, RolledLayout
 
 if TYPE_CHECKING:
@@ -61,17 +62,10 @@ def accurate_rolled(
         angles.append(np.concatenate([half, half + np.pi, rng.uniform(0, 2 * np.pi, n % 2)]))
     starts = pool[:N_EVEN] + [RolledLayout(one, np.zeros(n)) for one in angles if space.allows(one)]
 
-    def value_of(least: float):
-        def value(worth: np.ndarray, error: np.ndarray) -> np.ndarray:
-            with np.errstate(divide="ignore"):
-                return np.asarray(-np.log(error) - PENALTY * np.maximum(least - worth, 0.0))
-
-        return value
-
     # The same samples that are compared decide what the best of them is.
-    thin_value, value = (value_of(one.worth(pool[0]) - (1 - RESERVE) * give_up) for one in (thin, coverage))
+    thin_value, value = (less_error(one.worth(pool[0]) - (1 - RESERVE) * give_up) for one in (thin, coverage))
     found = [thin.improved(space, start, 3, thin_value) for start in starts]
-    found.sort(key=lambda layout: -_value(thin, layout, thin_value))
+    found.sort(key=lambda layout: -_valued(thin, layout, thin_value))
     leading = [found[i] for i in _distinct(found, problem.settings.distinct_tolerance)][:N_REFINED]
     refined = [_refined(coverage, space, layout, value) for layout in leading]
     return [refined[i] for i in _distinct(refined, problem.settings.distinct_tolerance)]
@@ -101,12 +95,14 @@ def _distinct(layouts: list[RolledLayout], tolerance: float) -> list[int]:
     return kept
 
 
-def _refined(coverage: RolledCoverage, space: LayoutSpace, layout: RolledLayout, value=None) -> RolledLayout:
+def _refined(
+    coverage: RolledCoverage, space: LayoutSpace, layout: RolledLayout, value: Value | None = None
+) -> RolledLayout:
     for angle, roll in WINDOWS:
         steps = np.linspace(-1, 1, N_STEPS)
         layout = coverage.improved(space, layout, 1, value, (angle * steps, roll * steps))
     return layout
 
 
-def _value(coverage: RolledCoverage, layout: RolledLayout, value) -> float:
-    return float(value(np.array([coverage.worth(layout)]), np.array([coverage.error(layout)]))[0])
+def _valued(coverage: RolledCoverage, layout: RolledLayout, value: Value) -> float:
+    return value_of_one(value, coverage.worth(layout), coverage.error(layout))

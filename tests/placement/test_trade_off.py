@@ -62,9 +62,21 @@ def test_an_exhaustive_search_on_samples_finds_little_more(problem, found):
             tried.append(np.stack(coverage.measured_with_one_more(step * np.array(three), step * np.array(last))))
     worth, error = np.concatenate(tried, axis=1)
     assert len(worth) == 24 * 19 * 18 * 17 // 24
+    # None of ours could have much more area at its own error.
+    for fraction, most in sampled:
+        assert worth[error <= most].max(initial=0.0) - fraction < 0.003
     # How much more area each has than ours of about the same error, or less.
     ours = np.where(sampled[:, 1:] <= 1.02 * error, sampled[:, :1], 0.0).max(axis=0)
     assert (worth - ours > 0.01).mean() < 0.002 and (worth - ours).max() < 0.03
+
+
+def test_no_camera_moved_gives_more_area_at_no_more_error(problem, found):
+    coverage = SampledCoverage(problem.profiles, problem.demand, RING)
+    searched = [np.array(layout.angles) for layout in found.layouts if layout.kind == "searched"]
+    for angles, camera in itertools.product(searched, range(4)):
+        worth, error = coverage.measured_with_one_more(np.delete(angles, camera))
+        allowed = error <= coverage.error(angles)
+        assert worth[allowed].max(initial=0.0) - coverage.worth(angles) < 0.001 + 1e-9
 
 
 def test_the_knee_is_named(found):
