@@ -1,6 +1,7 @@
 """A package that imports its public names when they are first used: what is not used costs nothing."""
 
 import ast
+import inspect
 import sys
 from functools import cached_property
 from importlib import import_module
@@ -24,10 +25,9 @@ class OnDemand(ModuleType):
     @cached_property
     def _homes(self) -> dict[str, str]:
         """The module of each public name."""
-        source = self.__spec__.loader.get_source(self.__name__)  # type: ignore[union-attr]
         return {
             name.asname or name.name: str(line.module)
-            for block in ast.parse(source).body
+            for block in ast.parse(inspect.getsource(self)).body
             if isinstance(block, ast.If) and ast.unparse(block.test) == "TYPE_CHECKING"
             for line in block.body
             if isinstance(line, ast.ImportFrom)

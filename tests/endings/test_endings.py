@@ -62,9 +62,7 @@ def run(tmp_path_factory, quick_search):
     rig = put(folder, "rig.toml", "[cameras]\ncount = 2\n" + quick_search)
     with pytest.raises(SystemExit):
         main(["optimise", str(folder / "part.stl"), "--rig", str(rig), "--out", str(folder / "made")])
-    # Coverage traces nothing that is timed.
-    environment = {name: value for name, value in os.environ.items() if not name.startswith("COVERAGE_")}
-    environment["XDG_STATE_HOME"] = str(folder / "state")  # not that of who runs the tests
+    environment = os.environ | {"XDG_STATE_HOME": str(folder / "state")}  # not that of who runs the tests
     pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True, "env": environment}
     with subprocess.Popen([sys.executable, "-W", "ignore", HERE / "struck.py", folder], **pipes) as program:
 

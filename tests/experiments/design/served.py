@@ -24,7 +24,6 @@ class Served:
 
     def __init__(self, folder, arguments):
         environment = os.environ | {"XDG_STATE_HOME": str(folder), "XDG_CACHE_HOME": str(folder / "cache")}
-        environment = {name: value for name, value in environment.items() if not name.startswith("COVERAGE_")}
         command = [sys.executable, "-m", "camring", "design", *map(str, arguments), "--no-browser"]
         pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
         self.process = subprocess.Popen(command, env=environment, **pipes)
