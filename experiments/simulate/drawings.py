@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
-from matplotlib.ticker import PercentFormatter
+from matplotlib.ticker import NullFormatter, PercentFormatter
 
 from experiments.figures.palette import BLUE, GREY, ORANGE
 from experiments.figures.text import figure_text
@@ -52,6 +52,7 @@ def write_prediction(path: Path, name: str, found: Sequence[Simulated]) -> None:
                    title="accuracy: predicted (dotted) and measured", yscale="log")  # fmt: skip
     axes[1, 1].set(xlabel="predicted standard deviation along the normal [mm]", ylabel="measured [mm]",
                    title="measured over predicted", xscale="log", yscale="log")  # fmt: skip
+    axes[1, 1].xaxis.set_minor_formatter(NullFormatter())  # less than a decade has no room for more
     low, high = axes[1, 1].get_xlim()
     axes[1, 1].plot([low, high], [low, high], color=GREY, linestyle=":", label="as predicted")
     for ax in axes.flat:
