@@ -51,9 +51,13 @@ docs: .venv/installed-docs
 	$(BIN)/pip install --quiet --editable '.[test]'
 	touch .venv/installed $@
 
-.venv-oldest/installed: pyproject.toml requirements-oldest.lock
+# Without camring, so that it may be made beside the other environment: both write what pip knows of it into one folder.
+.venv-oldest/libraries: pyproject.toml requirements-oldest.lock
 	$(PYTHON) -m venv .venv-oldest
 	.venv-oldest/bin/pip install --quiet --requirement requirements-oldest.lock pytest pytest-xdist hypothesis beartype
+	touch $@
+
+.venv-oldest/installed: .venv-oldest/libraries
 	.venv-oldest/bin/pip install --quiet --no-deps --editable .
 	touch $@
 

@@ -13,6 +13,7 @@ from tests.support import ROOT
 
 # Compiling takes most of the time of many tests: the processes of a run share what they compile.
 os.environ.setdefault("JAX_COMPILATION_CACHE_DIR", str(ROOT / ".pytest_cache" / "jax"))
+os.environ.setdefault("JAX_COMPILATION_CACHE_MAX_SIZE", "-1")  # a limit is a look at all of it for each function
 keep_compiled()
 
 
@@ -29,10 +30,12 @@ def pytest_collection_modifyitems(config, items):
     named = {line for line in LONG.read_text(encoding="utf-8").splitlines() if line and not line.startswith("#")}
     if config.args == config.getini("testpaths") and (unknown := named - {item.nodeid for item in items}):
         raise pytest.UsageError(f"{LONG} names no tests: {', '.join(sorted(unknown))}; leave them out there")
-    if config.getoption("--all") or any("::" in argument for argument in config.args):
+    if config.getoption("--all"):
         return
-    config.hook.pytest_deselected(items=[item for item in items if item.nodeid in named])
-    items[:] = [item for item in items if item.nodeid not in named]
+    asked = tuple(argument for argument in config.args if "::" in argument)
+    left_out = [item for item in items if item.nodeid in named and not (asked and item.nodeid.startswith(asked))]
+    config.hook.pytest_deselected(items=left_out)
+    items[:] = [item for item in items if item not in left_out]
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -58,9 +58,8 @@ def errors_over(predictor: Predictor, whole: np.ndarray, whole_seen: np.ndarray,
     surface = predictor.surface
     both = (whole, pieces.face), (whole_faces(len(whole)), pieces.polygon), (whole_seen, pieces.seen)
     everything = Pieces(*(np.concatenate(parts) for parts in both))
-    owner, moments = _small(predictor, everything, len(whole))
-    face = everything.face[owner]
-    is_tiny = moments.sizes(predictor, face) < TINY
+    owner, moments, sizes = _small(predictor, everything, len(whole))
+    face, is_tiny = everything.face[owner], sizes < TINY
     one, three = moments.take(is_tiny), moments.take(~is_tiny)
     inner = np.concatenate([one.centre, three.nodes.reshape(-1, 2)])
     which = np.concatenate([np.flatnonzero(is_tiny), np.repeat(np.flatnonzero(~is_tiny), 3)])
@@ -71,22 +70,25 @@ def errors_over(predictor: Predictor, whole: np.ndarray, whole_seen: np.ndarray,
     return Errors(depth, normal, area)
 
 
-def _small(predictor: Predictor, pieces: Pieces, n_whole: int) -> tuple[np.ndarray, Moments]:
-    """Moments of pieces and, of those that are large beside their distance from the cameras, of parts; and whose.
+def _small(predictor: Predictor, pieces: Pieces, n_whole: int) -> tuple[np.ndarray, Moments, np.ndarray]:
+    """Whose they are, moments and sizes of pieces and, of those that are large beside their distance, of parts.
 
     The first `n_whole` pieces are whole faces, which are all alike in their own coordinates.
     """
     alike = Moments.of(whole_faces(1)).take(np.zeros(n_whole, dtype=np.intp))
     moments = Moments.joined([alike, Moments.of(pieces.polygon[n_whole:])])
-    is_small = moments.sizes(predictor, pieces.face) <= FINE
+    size = moments.sizes(predictor, pieces.face)
+    is_small = size <= FINE
     large = np.flatnonzero(~is_small)
-    owner, found = [np.flatnonzero(is_small)], [moments.take(is_small)]
+    owner, found, sizes = [np.flatnonzero(is_small)], [moments.take(is_small)], [size[is_small]]
     piece, corner = triangles_in(pieces.polygon[large])
     triangles = Triangles(large[piece], corner)
     while len(triangles.piece):
         moments = Moments.of_triangles(triangles.corner)
-        is_small = moments.sizes(predictor, pieces.face[triangles.piece]) <= FINE
+        size = moments.sizes(predictor, pieces.face[triangles.piece])
+        is_small = size <= FINE
         owner.append(triangles.piece[is_small])
         found.append(moments.take(is_small))
+        sizes.append(size[is_small])
         triangles = triangles.take(~is_small).quartered()
-    return np.concatenate(owner), Moments.joined(found)
+    return np.concatenate(owner), Moments.joined(found), np.concatenate(sizes)

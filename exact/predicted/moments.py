@@ -41,10 +41,7 @@ class Moments:
     @classmethod
     def of(cls, polygon: np.ndarray) -> "Moments":
         """Moments of polygons and multipolygons (N,), by Green's theorem along their rings."""
-        parts, owner = shapely.get_parts(polygon, return_index=True)
-        rings, part = shapely.get_rings(parts, return_index=True)
-        point, ring = shapely.get_coordinates(rings, return_index=True)
-        owner = owner[part]
+        point, ring, owner, is_hole = _rings(polygon)
         box = shapely.bounds(polygon)
         middle, half = (box[:, :2] + box[:, 2:]) / 2, (box[:, 2:] - box[:, :2]) / 2
         # About the middle of its box, where little is lost to rounding even of a small piece.
@@ -57,9 +54,7 @@ class Moments:
             (x0 * x0 + x0 * x1 + x1 * x1) * twice / 12, (y0 * y0 + y0 * y1 + y1 * y1) * twice / 12,
             (x0 * y1 + 2 * (x0 * y0 + x1 * y1) + x1 * y0) * twice / 24,
         )  # fmt: skip
-        of_rings = np.stack([np.bincount(ring, term, len(rings)) for term in terms], dtype=np.float64)
-        is_hole = np.zeros(len(rings), dtype=bool)
-        is_hole[1:] = part[1:] == part[:-1]
+        of_rings = np.stack([np.bincount(ring, term, len(owner)) for term in terms], dtype=np.float64)
         of_rings *= np.where((of_rings[0] < 0) == is_hole, 1.0, -1.0)
         area, *others = (np.bincount(owner, term, len(polygon)).astype(np.float64) for term in of_rings)
         x, y, xx, yy, xy = (np.divide(other, area, out=np.zeros_like(area), where=area > 0) for other in others)
@@ -99,10 +94,35 @@ class Moments:
     def sizes(self, predictor: Predictor, face: np.ndarray) -> np.ndarray:
         """(N,) distance of points from the centroid, root mean square, beside that of the nearest camera."""
         surface = predictor.surface
-        corner = surface.vertices[surface.faces[face]]
-        axes = np.einsum("nij,nik->njk", self.spread, corner[:, 1:] - corner[:, :1])
-        radius = np.sqrt((axes**2).sum(axis=(1, 2)))
+        corner, first, second = (surface.vertices[column] for column in surface.faces[face].T)
+        first, second = first - corner, second - corner
+        along = self.spread[:, 0, :1] * first + self.spread[:, 1, :1] * second
+        across = self.spread[:, 1, 1:] * second
+        radius = np.sqrt(np.einsum("nk,nk->n", along, along) + np.einsum("nk,nk->n", across, across))
         return radius / distance_from(predictor.cameras, surface.points(face, self.centre))
+
+
+def _rings(polygon: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Points (P, 2) of the rings of polygons and multipolygons, whose ring (P,), of which (R,), and if a hole (R,).
+
+    Most are simple, of which no copies are made to get at their rings.
+    """
+    is_simple = (shapely.get_type_id(polygon) == shapely.GeometryType.POLYGON) & (
+        shapely.get_num_interior_rings(polygon) == 0
+    )
+    simple, other = np.flatnonzero(is_simple), np.flatnonzero(~is_simple)
+    point, ring = shapely.get_coordinates(polygon[simple], return_index=True)
+    parts, piece = shapely.get_parts(polygon[other], return_index=True)
+    rings, part = shapely.get_rings(parts, return_index=True)
+    more_points, more = shapely.get_coordinates(rings, return_index=True)
+    is_hole = np.zeros(len(rings), dtype=bool)
+    is_hole[1:] = part[1:] == part[:-1]
+    return (
+        np.concatenate([point, more_points]),
+        np.concatenate([ring, more + len(simple)]),
+        np.concatenate([simple, other[piece[part]]]),
+        np.concatenate([np.zeros(len(simple), dtype=bool), is_hole]),
+    )
 
 
 def _root(xx: np.ndarray, xy: np.ndarray, yy: np.ndarray, largest: np.ndarray) -> np.ndarray:

@@ -1,11 +1,13 @@
 """A page that is served, and a window on it."""
 
+import json
 import re
+from contextlib import contextmanager
 
 import pytest
 import trimesh
 
-from tests.experiments.design.served import SEPARATION, Looked, browsing, served
+from tests.experiments.design.served import SEPARATION, Looked, browsing, heard, is_known, served
 
 
 @pytest.fixture(scope="module")
@@ -30,17 +32,39 @@ def chromium():
         yield browser
 
 
-@pytest.fixture
-def server(tmp_path, scan, rig):
-    with served(tmp_path, scan, "--rig", rig, "--cameras", 3) as running:
-        yield running
+@pytest.fixture(scope="module")
+def running(tmp_path_factory, scan, rig):
+    with served(tmp_path_factory.mktemp("served"), scan, "--rig", rig, "--cameras", 3) as server:
+        yield server
 
 
 @pytest.fixture
-def window(chromium, server):
+def server(running):
+    """One that shows the layout that it began with, whatever others have tried."""
+    with running.socket() as live:
+        live.send(json.dumps({"do": "go", "number": 1}))
+        heard(live, "state", lambda message: message["at"] == 1 and is_known(message))
+    return running
+
+
+@contextmanager
+def looking(chromium, server):
     looked = Looked(chromium, server.address)
     yield looked
     looked.page.close()
     assert looked.faults == []
     asked = {re.match(r"\w+://[^/]+/[^/]+/", url)[0].replace("ws:", "http:") for url in looked.requests}
     assert asked == {server.address}
+
+
+@pytest.fixture
+def window(chromium, server):
+    with looking(chromium, server) as looked:
+        yield looked
+
+
+@pytest.fixture
+def fresh_window(tmp_path, chromium, scan, rig):
+    """A window on which nothing was tried yet."""
+    with served(tmp_path, scan, "--rig", rig, "--cameras", 3) as server, looking(chromium, server) as looked:
+        yield looked

@@ -96,7 +96,8 @@ def test_a_dragged_camera_has_the_numbers_that_evaluate_prints(window, camring, 
     assert float(window.number("sampled")) == pytest.approx(float(shown[0]), rel=0.03)
 
 
-def test_cameras_are_added_removed_fixed_and_all_of_it_undone(window, camring, scan):
+def test_cameras_are_added_removed_fixed_and_all_of_it_undone(fresh_window, camring, scan):
+    window = fresh_window
     page, start = window.page, window.angles()
     page.click("#add")
     window.known()

@@ -8,7 +8,8 @@ from tests.experiments.design.served import Looked, evaluated, served
 from tests.support.browser import PATIENCE
 
 
-def test_what_was_done_is_told(window):
+def test_what_was_done_is_told(fresh_window):
+    window = fresh_window
     page, start = window.page, window.angles()
     page.click("#improve")
     page.wait_for_selector("#told:not([hidden])", timeout=PATIENCE)
@@ -56,7 +57,8 @@ def test_limits_begin_where_they_make_sense(window):
     assert "for matches to 0.5 px on images of 3600 x 2400 px" in page.inner_text("#error-words")
 
 
-def test_what_rested_in_the_hand_keeps_its_numbers(window):
+def test_what_rested_in_the_hand_keeps_its_numbers(fresh_window):
+    window = fresh_window
     page = window.page
     x, y = window.centre("#ring .camera .touch", 0)
     middle_x, middle_y = window.centre("#ring")
