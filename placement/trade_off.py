@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 
 # Coverage given up, in parts of the ring maximum: layouts with the least error are looked for at each of these.
 GIVEN_UP = (0.0005, 0.001, 0.002, 0.003, 0.005, 0.008, 0.012, 0.018, 0.025, 0.035, 0.05, 0.07, 0.1, 0.15, 0.25, 0.5)
-# Random layouts that each of them starts from too.
-N_FRESH = 10
+# Random layouts that each of them starts from too, where a search has so many starts; else in proportion.
+N_FRESH, OF_STARTS = 10, 24
 # Further such searches where the curve found so far takes its widest steps.
 N_FILLED = 6
 # Layouts on each side along the curve from which more coverage is looked for at the error of one of them.
@@ -42,7 +42,7 @@ N_PHASES = 6
 # What is looked at in the beginning: one in so many of the samples, cameras at these angles [rad], so many choices of
 # all but one of them for each start of a search (all choices of three of four), and the best in each step of coverage.
 THINNING, COARSE, CHOICES_PER_START, WORTH_STEP = 8, np.radians(10.0) * np.arange(36), 300, 0.002
-# How many of those start a search.
+# How many of those start a search, in the same proportion.
 N_WITHIN = 10
 
 
@@ -157,6 +157,7 @@ def trade(
     searched: list[np.ndarray] = list(pool[:N_SCORED])
     broad = _broadly(coverage, space, rng, CHOICES_PER_START * problem.settings.n_starts)
     last: list[np.ndarray] = []
+    n_fresh, n_within = (max(1, round(n * problem.settings.n_starts / OF_STARTS)) for n in (N_FRESH, N_WITHIN))
     for number in range(len(GIVEN_UP) + N_FILLED):
         report("trading area for accuracy", number, len(GIVEN_UP) + N_FILLED)
         # What gives up a little less is a good place to start from, after a search of its own for the first, but not
@@ -165,8 +166,8 @@ def trade(
         if number >= len(GIVEN_UP):
             given_up, starts = _widest_step(coverage, searched, coverage.worth(pool[0]))
         if starts:
-            fresh = [space.random(rng) for _ in range(N_FRESH)]
-            starts = [*starts, *fresh, *_within(broad, coverage.worth(pool[0]) - given_up)]
+            fresh = [space.random(rng) for _ in range(n_fresh)]
+            starts = [*starts, *fresh, *_within(broad, coverage.worth(pool[0]) - given_up)[:n_within]]
         last = accurate_layouts(problem, space, pool, given_up, starts)[:N_LAYOUTS]
         searched += last
     compared = [(kind, layout) for kind, layout in compared_layouts(space) if space.allows(layout)]
@@ -232,7 +233,7 @@ def _broadly(coverage: SampledCoverage, space: LayoutSpace, rng: np.random.Gener
 def _within(broad: list[_Rough], least: float) -> list[np.ndarray]:
     """Of those with about that coverage or more, the ones with the least error."""
     within = [one for one in broad if one.worth > least - WORTH_STEP]
-    return [one.layout for one in sorted(within, key=lambda one: one.error)[:N_WITHIN]]
+    return [one.layout for one in sorted(within, key=lambda one: one.error)]
 
 
 def _leading(coverage: SampledCoverage, layouts: Sequence[np.ndarray]) -> list[int]:
