@@ -20,7 +20,7 @@ test: .venv/installed-test lint
 test-all: .venv/installed-test lint
 	$(BIN)/pytest -n 2 --all
 
-# Which lines they do not reach in the processes of pytest. What checks types imports modules in its own way, uncounted.
+# Which lines `make test` does not reach in the processes of pytest. What checks types imports in its own way, uncounted.
 coverage: .venv/installed-test
 	$(BIN)/python -m slipcover --source meshes,exact,placement,experiments --skip-covered -m pytest -n 2 \
 		--jaxtyping-packages= --deselect tests/placement/test_soft_coverage.py::test_annotated_shapes_hold

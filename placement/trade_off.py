@@ -16,6 +16,7 @@ from placement.proof.certificate import certify_samples
 from placement.samples.sampled_coverage import SampledCoverage
 from placement.search.accurate import accurate_layouts, with_more_coverage
 from placement.search.search import search
+from placement.settings import Settings
 
 if TYPE_CHECKING:
     from placement.problem import Problem
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
 # Coverage given up, in parts of the ring maximum: layouts with the least error are looked for at each of these.
 GIVEN_UP = (0.0005, 0.001, 0.002, 0.003, 0.005, 0.008, 0.012, 0.018, 0.025, 0.035, 0.05, 0.07, 0.1, 0.15, 0.25, 0.5)
 # Random layouts that each of them starts from too, where a search has so many starts; else in proportion.
-N_FRESH, OF_STARTS = 10, 24
+N_FRESH, OF_STARTS = 10, Settings.n_starts
 # Further such searches where the curve found so far takes its widest steps.
 N_FILLED = 6
 # Layouts on each side along the curve from which more coverage is looked for at the error of one of them.

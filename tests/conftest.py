@@ -33,9 +33,9 @@ def pytest_collection_modifyitems(config, items):
     if config.getoption("--all"):
         return
     asked = tuple(argument for argument in config.args if "::" in argument)
-    left_out = [item for item in items if item.nodeid in named and not (asked and item.nodeid.startswith(asked))]
-    config.hook.pytest_deselected(items=left_out)
-    items[:] = [item for item in items if item not in left_out]
+    left_out = {name for name in named if not (asked and name.startswith(asked))}
+    config.hook.pytest_deselected(items=[item for item in items if item.nodeid in left_out])
+    items[:] = [item for item in items if item.nodeid not in left_out]
 
 
 @pytest.fixture(scope="session", autouse=True)

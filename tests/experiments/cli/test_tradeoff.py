@@ -37,8 +37,10 @@ def test_table_picture_and_words_agree_and_stand_in_the_report(camring, desk, tm
     for row, words in zip(found["layouts"], table, strict=True):
         assert [float(angle) for angle in words["ring_angles_deg"].split()] == row["ring_angles_deg"]
         cameras = RING.cameras(np.radians(row["ring_angles_deg"]))
-        own = exact.evaluate(mesh, cameras, depth_axis=RING.axis, all_views=True)
+        own = exact.evaluate(mesh, cameras, depth_axis=RING.axis)
         assert float(words["area_mm2"]) == row["area_mm2"] == pytest.approx(own.area, rel=1e-9)
+        # Errors are averages over parts of the surface, which depend to 1e-8 on how it is divided.
+        own = exact.evaluate(mesh, cameras, depth_axis=RING.axis, all_views=True)
         assert row["rms_error_mm"] == pytest.approx(own.error_rms, rel=1e-9)
     assert sum(row["knee"] for row in found["layouts"]) == 1
     assert found["bound_fraction"] is None and found["in_words"].endswith(".")
