@@ -2,28 +2,25 @@
 PYTHON ?= python3
 BIN := .venv/bin
 LOCK := UV_CUSTOM_COMPILE_COMMAND='make lock' $(BIN)/uv pip compile pyproject.toml --quiet --upgrade --python-version 3.11
+PYTEST := $(BIN)/python -m slipcover --source meshes,exact,placement,experiments --skip-covered -m pytest -n 2
 # A few minutes less than all: they touch every library that camring is made of.
 OLDEST_TESTS := $(addprefix tests/,whole/test_dependencies.py exact/test_closed_forms.py \
 	exact/rays/test_sites.py::test_awkward_meshes meshes/test_load.py placement/test_soft_coverage.py \
 	bad_input/test_refused.py)
 
-.PHONY: demo test test-all coverage test-oldest lint lock docs clean
+.PHONY: demo test test-all test-oldest lint lock docs clean
 
 demo: .venv/installed
 	$(BIN)/camring optimise circ_artery --depth 50 --cameras 4 --out out/demo --force
 
-# Needs Chromium or Chrome too, to look at reports with: on Debian and Ubuntu, apt-get install chromium.
+# Needs Chromium or Chrome too, to look at reports with: on Debian and Ubuntu, apt-get install chromium. At the end it
+# lists the lines that no test reaches in its own process.
 test: .venv/installed-test lint
-	$(BIN)/pytest -n 2
+	$(PYTEST)
 
 # Those that take long, too: three times as long as `make test`.
 test-all: .venv/installed-test lint
-	$(BIN)/pytest -n 2 --all
-
-# Which lines `make test` does not reach in the processes of pytest. What checks types imports in its own way, uncounted.
-coverage: .venv/installed-test
-	$(BIN)/python -m slipcover --source meshes,exact,placement,experiments --skip-covered -m pytest -n 2 \
-		--jaxtyping-packages= --deselect tests/placement/test_soft_coverage.py::test_annotated_shapes_hold
+	$(PYTEST) --all
 
 # The oldest releases that pyproject.toml allows, in an environment of their own. What they warn of is of their time.
 test-oldest: .venv-oldest/installed

@@ -1,16 +1,25 @@
 """What tests of the command line share."""
 
 import os
+import sys
 import tempfile
 
 import matplotlib
 import pytest
-from jaxtyping import config
+from jaxtyping import _import_hook, config
 
-from experiments.cli.app import main
-from experiments.cli.jax_cache import keep_compiled
-from tests.support import ROOT
+# SlipCover counts the lines of what is imported with its types checked only if it looks for modules before jaxtyping does.
+for finder in [one for one in sys.meta_path if type(one).__name__ == "SlipcoverMetaPathFinder"]:
+    sys.meta_path.remove(finder)
+    sys.meta_path.insert(0, finder)
+    _import_hook._JaxtypingLoader.get_code = lambda self, _: self.source_to_code(self.get_data(self.path), self.path)
 
+from experiments.cli.app import main  # noqa: E402
+from experiments.cli.jax_cache import keep_compiled  # noqa: E402
+from tests.support import ROOT  # noqa: E402
+
+# Processes that tests start share what Python compiles.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 # Compiling takes most of the time of many tests: the processes of a run share what they compile.
 os.environ.setdefault("JAX_COMPILATION_CACHE_DIR", str(ROOT / ".pytest_cache" / "jax"))
 os.environ.setdefault("JAX_COMPILATION_CACHE_MAX_SIZE", "-1")  # a limit is a look at all of it for each function
