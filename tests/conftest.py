@@ -8,7 +8,7 @@ import matplotlib
 import pytest
 from jaxtyping import _import_hook, config
 
-# SlipCover counts the lines of what is imported with its types checked only if it looks for modules before jaxtyping does.
+# SlipCover counts what is imported with its types checked only if it looks for modules before jaxtyping does.
 for finder in [one for one in sys.meta_path if type(one).__name__ == "SlipcoverMetaPathFinder"]:
     sys.meta_path.remove(finder)
     sys.meta_path.insert(0, finder)
