@@ -15,7 +15,11 @@ from exact.ring import MOST_CAMERAS
 from placement.errors import PlacementError
 from placement.layouts.constraints import GAP_MARGIN, LENGTH_TOLERANCE, Constraints, offered
 from placement.layouts.layout_parameters import Arcs, arcs_from_angles, gaps_from_angles
-from placement.layouts.open_arcs import TURN, greatest_separation, most_cameras, open_arcs, widest_pair
+from placement.layouts.open_arcs import TURN, greatest_separation, most_cameras, open_arcs, packed, widest_pair
+
+# Ways to share the cameras among the arcs that are listed; of more one is drawn where one is needed, so often at most
+# until it can be met.
+MOST_LISTED, MOST_DRAWS = 10_000, 100
 
 
 class LayoutSpace:
@@ -63,11 +67,10 @@ class LayoutSpace:
         self.is_whole = not (constraints.fixed or constraints.forbidden)
         self._check_fixed()
         self.minimum_gap = self._checked_gap()
-        self.assignments: list[tuple[tuple[int, ...], Arcs]] = []
         if not self.is_whole:
             self._open = open_arcs(constraints, self.minimum_gap)
-            self.assignments = list(self._feasible_assignments(self.n_free))
-            if not self.assignments:
+            self._shares = self._feasible_shares()
+            if not self._shares:
                 raise self._too_many()
         self._check_baseline()
 
@@ -123,14 +126,31 @@ class LayoutSpace:
             + (f", or {n} at {offer:g} mm" if offer > 0 else "")
         )
 
-    def _feasible_assignments(self, n_free: int) -> Iterator[tuple[tuple[int, ...], Arcs]]:
-        """Each way to give the open arcs `n_free` cameras, with the arc of each camera."""
-        capacities = [int((end - start) / self.minimum_gap + GAP_MARGIN) + 1 if self.minimum_gap else n_free
-                      for start, end in self._open]  # fmt: skip
-        for counts in _counts(n_free, capacities):
-            arcs = _tightened(np.repeat(self._open, counts, axis=0), self.minimum_gap, self.constraints.fixed)
-            if arcs is not None:
-                yield counts, arcs
+    def _feasible_shares(self) -> list[tuple[int, ...]]:
+        """Ways to share the free cameras among the open arcs: all of them, or one of very many."""
+        gap, n_free = self.minimum_gap, self.n_free
+        widths = np.diff(self._open)[:, 0]
+        room = [min(int(width / gap + GAP_MARGIN) + 1, n_free) if gap else n_free for width in widths]
+        self._room, self._ways = room, _ways_to_share(n_free, room)
+        if self._ways[0, n_free] <= MOST_LISTED:
+            return [counts for counts in _counts(n_free, room) if self._arcs(counts) is not None]
+        some = tuple(packed(self.constraints, self.minimum_gap, self.n_free).tolist())
+        return [some] if sum(some) == self.n_free and self._arcs(some) is not None else []
+
+    def _arcs(self, counts: tuple[int, ...]) -> Arcs | None:
+        """The arc of each free camera where the open arcs hold so many; None if they do not."""
+        return _tightened(np.repeat(self._open, counts, axis=0), self.minimum_gap, self.constraints.fixed)
+
+    def _random_arcs(self, rng: np.random.Generator) -> Arcs:
+        """Of a way to share the cameras among the open arcs, each as likely as any other."""
+        if self._ways[0, self.n_free] > MOST_LISTED:
+            for _ in range(MOST_DRAWS):
+                arcs = self._arcs(_drawn_share(self._ways, self._room, rng))
+                if arcs is not None:
+                    return arcs
+        arcs = self._arcs(self._shares[rng.integers(len(self._shares))])
+        assert arcs is not None  # only such as can be met are kept
+        return arcs
 
     def parameters(self, angles) -> tuple[Float[np.ndarray, " P"], Arcs | None]:
         """Free parameters of a layout that meets the constraints, and the arcs they refer to.
@@ -157,10 +177,10 @@ class LayoutSpace:
         theta = np.sort(start + np.mod(theta - start + tolerance, TURN) - tolerance)
         arc = np.array([np.argmin([max(a - t, t - b, 0.0) for a, b in self._open]) for t in theta], dtype=int)
         counts = tuple(np.bincount(arc, minlength=len(self._open)).tolist())
-        for candidate, arcs in self.assignments:
-            if candidate == counts:
-                return arcs_from_angles(theta, arcs, self.minimum_gap), arcs
-        raise PlacementError("not a layout of this request: it keeps the constraints only within rounding")
+        arcs = self._arcs(counts)
+        if arcs is None:
+            raise PlacementError("not a layout of this request: it keeps the constraints only within rounding")
+        return arcs_from_angles(theta, arcs, self.minimum_gap), arcs
 
     def random(self, rng: np.random.Generator) -> Float[np.ndarray, " M"]:
         """(M,) ring angles [rad] of a random feasible layout; every feasible layout can come up."""
@@ -168,7 +188,7 @@ class LayoutSpace:
             shares = rng.dirichlet(np.ones(self.n_cameras))
             gaps = self.minimum_gap + (TURN - self.n_cameras * self.minimum_gap) * shares
             return rng.uniform(0, TURN) + np.concatenate([[0.0], np.cumsum(gaps[:-1])])
-        _, arcs = self.assignments[rng.integers(len(self.assignments))]
+        arcs = self._random_arcs(rng)
         shifted = np.empty(self.n_free)
         for i, share in enumerate(rng.random(self.n_free)):
             least, most = arcs.lower[i], arcs.upper[i]
@@ -208,16 +228,37 @@ class LayoutSpace:
         return len(angles) == self.n_cameras and not self.constraints.violations(self.ring, angles)
 
 
-def _counts(total: int, capacities: list[int]) -> Iterator[tuple[int, ...]]:
-    """Every way to share `total` among bins with these capacities."""
-    if not capacities:
+def _counts(total: int, room: list[int]) -> Iterator[tuple[int, ...]]:
+    """Every way to share `total` among bins with so much room."""
+    if not room:
         if total == 0:
             yield ()
         return
-    room = sum(capacities[1:])
-    for first in range(max(0, total - room), min(total, capacities[0]) + 1):
-        for rest in _counts(total - first, capacities[1:]):
+    others = sum(room[1:])
+    for first in range(max(0, total - others), min(total, room[0]) + 1):
+        for rest in _counts(total - first, room[1:]):
             yield (first, *rest)
+
+
+def _ways_to_share(total: int, room: list[int]) -> Float[np.ndarray, "B N"]:
+    """(A + 1, total + 1) in how many ways each number up to `total` goes into the bins from the i-th on."""
+    ways = np.zeros((len(room) + 1, total + 1))
+    ways[-1, 0] = 1.0
+    for i in range(len(room) - 1, -1, -1):
+        until = np.cumsum(ways[i + 1])
+        ways[i] = until
+        ways[i, room[i] + 1 :] -= until[: max(total - room[i], 0)]
+    return ways
+
+
+def _drawn_share(ways: Float[np.ndarray, "B N"], room: list[int], rng: np.random.Generator) -> tuple[int, ...]:
+    """One way to share all there is among bins with so much room, all as likely; `ways` as `_ways_to_share` tells."""
+    left, counts = ways.shape[1] - 1, []
+    for most, after in zip(room, ways[1:], strict=True):
+        likely = after[left - np.arange(min(most, left) + 1)]
+        counts.append(int(rng.choice(len(likely), p=likely / likely.sum())))
+        left -= counts[-1]
+    return tuple(counts)
 
 
 def _tightened(arcs: Float[np.ndarray, "m 2"], gap: float, fixed: tuple[float, ...]) -> Arcs | None:

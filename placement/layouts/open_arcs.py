@@ -1,7 +1,7 @@
 """What fixed cameras and forbidden arcs leave of the ring: for how many cameras, and how far apart."""
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 import exact
 from placement.layouts.constraints import GAP_MARGIN, OFFER_STEP, Constraints, offered
@@ -35,27 +35,41 @@ def open_arcs(constraints: Constraints, gap: float) -> Float[np.ndarray, "A 2"]:
     return np.array([(a, b) for a, b in arcs if a <= b and a < cut + TURN]).reshape(-1, 2)
 
 
-def most_cameras(constraints: Constraints, gap: float, enough: int) -> int:
-    """How many cameras fit at least `gap` [rad] apart, the fixed ones included; `enough` if that many do or more.
+def packed(constraints: Constraints, gap: float, enough: int) -> Int[np.ndarray, " A"]:
+    """How many free cameras each open arc holds, at least `gap` [rad] apart, when as many fit as do, or `enough`.
 
     Packed from the beginning of each open arc, each camera as early as it may be: any layout can be pushed back to
     where one of its cameras is at the beginning of an arc.
 
     Examples
     --------
+    >>> packed(Constraints(fixed=(0.0,), forbidden=((1.0, 2.0),)), gap=0.5, enough=8).tolist()
+    [2, 6]
+    """
+    arcs = open_arcs(constraints, gap)
+    best = np.zeros(len(arcs), dtype=np.int64)
+    for first in range(len(arcs)):
+        counts, position = np.zeros(len(arcs), dtype=np.int64), arcs[first, 0]
+        last = position + TURN - gap
+        for k, (start, end) in enumerate(np.concatenate([arcs[first:], arcs[:first] + TURN])):
+            position = max(position, start)
+            while position <= min(end, last) + GAP_MARGIN and counts.sum() < enough:
+                counts[(first + k) % len(arcs)] += 1
+                position += gap
+        best = max(best, counts, key=np.sum)
+    return best
+
+
+def most_cameras(constraints: Constraints, gap: float, enough: int) -> int:
+    """How many cameras fit at least `gap` [rad] apart, the fixed ones included; `enough` if that many do or more.
+
+    Examples
+    --------
     >>> most_cameras(Constraints(forbidden=((0.0, 4.0),)), gap=1.0, enough=8)  # at 4, 5 and 6 rad
     3
     """
-    arcs, fixed, best = open_arcs(constraints, gap), len(constraints.fixed), 0
-    for first in range(len(arcs)):
-        count, position = 0, arcs[first, 0]
-        last = position + TURN - gap
-        for start, end in np.concatenate([arcs[first:], arcs[:first] + TURN]):
-            position = max(position, start)
-            while position <= min(end, last) + GAP_MARGIN and fixed + count < enough:
-                count, position = count + 1, position + gap
-        best = max(best, count)
-    return min(fixed + best, enough)
+    fixed = len(constraints.fixed)
+    return min(fixed + int(packed(constraints, gap, max(enough - fixed, 0)).sum()), enough)
 
 
 def greatest_separation(ring: exact.Ring, constraints: Constraints, n_cameras: int) -> float:

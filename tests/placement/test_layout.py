@@ -76,6 +76,49 @@ def test_random_layouts_and_maps_meet_every_constraint(request, seed):
     assert constraints.violations(space.ring, elsewhere) == []
 
 
+STRUTS = tuple((start, start + 0.3) for start in range(6))
+
+
+def test_thousands_of_cameras_find_room_beside_fixed_ones():
+    constraints = Constraints(0.0, fixed=(0.0, 1.0, 2.0, 4.0))  # 4 billion ways to share them among the arcs
+    space = LayoutSpace(exact.Ring(), 3000, constraints)
+    layout = space.random(np.random.default_rng(0))
+    assert len(layout) == 3000 and space.constraints.violations(space.ring, layout) == []
+
+
+@pytest.mark.parametrize("separation", [0.0, 0.5])
+def test_many_cameras_are_shared_among_the_arcs_in_more_ways_than_can_be_listed(separation):
+    constraints = Constraints(separation, forbidden=STRUTS)
+    space, rng = LayoutSpace(exact.Ring(), 40, constraints), np.random.default_rng(0)
+    layouts = [space.random(rng) for _ in range(5)]
+    for layout in layouts:
+        assert constraints.violations(space.ring, layout) == []
+        parameters, arcs = space.parameters(layout)
+        assert arcs is not None
+        again = np.asarray(from_arcs(jnp.asarray(parameters), arcs, jnp.asarray(space.minimum_gap)))
+        assert np.abs(np.exp(1j * canonical(again)) - np.exp(1j * canonical(layout))).max() < 1e-5
+    shares = [np.histogram(np.mod(layout, 2 * np.pi), bins=[0, 1, 2, 3, 4, 5, 6.29])[0] for layout in layouts]
+    assert len({tuple(share.tolist()) for share in shares}) == len(shares)
+
+
+def test_every_share_is_as_likely_whether_listed_or_drawn(monkeypatch):
+    constraints = Constraints(9.0, forbidden=((0.5, 1.0), (2.0, 2.2), (4.0, 5.0)))
+
+    def shares():
+        space, rng = LayoutSpace(exact.Ring(), 5, constraints), np.random.default_rng(0)
+        drawn = [space.random(rng) for _ in range(3000)]
+        held = [np.histogram(np.mod(theta, 2 * np.pi), bins=[0, 0.75, 2.1, 4.5, 6.29])[0] for theta in drawn]
+        # The first arc goes on where the last one ends.
+        found, count = np.unique([[one[0] + one[3], one[1], one[2]] for one in held], axis=0, return_counts=True)
+        return {tuple(share): n / 3000 for share, n in zip(found.tolist(), count.tolist(), strict=True)}
+
+    listed = shares()
+    monkeypatch.setattr("placement.layouts.arcs.MOST_LISTED", 0)
+    drawn = shares()
+    assert len(listed) > 3 and listed.keys() == drawn.keys()
+    assert max(abs(listed[share] - drawn[share]) for share in listed) < 0.05  # five standard errors
+
+
 def test_fixed_cameras_stay_and_gradient_is_finite():
     constraints = Constraints(5.0, fixed=(1.0, 4.0), forbidden=((5.0, 6.0),))
     space = LayoutSpace(exact.Ring(), 5, constraints)
