@@ -20,8 +20,11 @@ import exact
 from exact.demand import SAME_LENGTH
 from placement.layouts.arcs import TURN, LayoutSpace
 from placement.layouts.constraints import GAP_MARGIN
+from placement.proof.branching import branch_and_bound
+from placement.proof.enumeration import is_quick
 from placement.proof.grid_program import GridProgram, GridSolution
-from placement.proof.solver import is_quick, solve
+from placement.proof.halving import halved
+from placement.proof.solver import solve
 from placement.proof.surface_bound import SurfaceBound
 from placement.samples.profiles import RingProfiles
 from placement.samples.sampled_coverage import SampledCoverage
@@ -33,8 +36,9 @@ PROOF_TOLERANCE = 0.002
 CELL_TOLERANCE = 0.001
 # Angles that differ by less than this many steps are the same.
 STEP_TOLERANCE = 1e-6
-# Cells are halved at most this often: smaller ones only repeat the angles at which profiles were traced.
-MOST_HALVINGS = 2
+# Cells are halved at most this often: to three times the width to which the ends of arcs of visibility are known. Where
+# linear programs are solved over them, so often.
+MOST_HALVINGS, MOST_TREE_HALVINGS = 4, 2
 # Random layouts that are moved onto the grid, beside those that are known, to find a good one there.
 GRID_STARTS = 8
 
@@ -168,22 +172,13 @@ def certify_samples(
     # Half of the time for the grid; the bound for any angle needs the rest.
     known = known_on_grid(profiles, space, demand, n_grid, layouts)
     grid = solve(program, settings.certificate_seconds / 2, PROOF_TOLERANCE, known)
-    bound, n_cells = float(profiles.sums(np.asarray(profiles.visible.any(axis=0))).min()), n_grid
-    for halving in range(MOST_HALVINGS + 1):
-        cells = cells_of(profiles, space, demand, n_grid * 2**halving)
-        # What is not enumerated is bounded step by step: more closely by fine cells, of which coarse ones would only
-        # take the time.
-        if halving == 0 and MOST_HALVINGS > 0 and not is_quick(cells):
-            continue
-        found = solve(cells, max(end - time.perf_counter(), 1.0), CELL_TOLERANCE)
-        if found.bound < bound:
-            bound, n_cells = found.bound, n_grid * 2**halving
-        if not found.finished or time.perf_counter() > end:
-            break
-
     angles = _angles(grid, space, n_grid)
+    coverage = SampledCoverage(profiles, demand, space.ring, settings.n_grid)
+    some = [np.array(layout) for layout in (*layouts, angles) if layout is not None and space.allows(layout)]
+    least = max((coverage.fraction(coverage.improve(space, layout)) for layout in some), default=0.0)
+    bound, n_cells = _any_angle(profiles, space, demand, n_grid, least, end)
     # The program takes of a bound on the error only what it implies, the samples all of it.
-    grid_fraction = None if angles is None else SampledCoverage(profiles, demand, space.ring).fraction(angles)
+    grid_fraction = None if angles is None else coverage.fraction(angles)
     # A layout on the grid is a layout; what one reconstructs may be summed in another order.
     grid_bound = max(min(grid.bound, bound), grid_fraction or 0.0)
     return Certificate(
@@ -206,6 +201,33 @@ def certify_samples(
         ignores_disparity=demand.max_disparity_gradient is not None,
         of=of,
     )
+
+
+def _any_angle(
+    profiles: RingProfiles, space: LayoutSpace, demand: exact.Demand, n_grid: int, least: float, end: float
+) -> tuple[float, int]:
+    """What no layout is worth more than, `least` if some layout is worth that, and how many cells show it."""
+    bound, n_cells = float(profiles.sums(np.asarray(profiles.visible.any(axis=0))).min()), n_grid
+    cells = cells_of(profiles, space, demand, n_grid * 2**MOST_HALVINGS)
+    if not cells.is_spread and cells.n_free > 0:
+        found = halved(cells, None, least, end)
+        if found is not None:
+            bound, n_cells = max(found.bound, least), len(cells.seen)
+            if found.finished:
+                return bound, n_cells
+    for halving in range(MOST_TREE_HALVINGS + 1):
+        cells = cells_of(profiles, space, demand, n_grid * 2**halving)
+        # What is not enumerated is bounded step by step: more closely by fine cells, of which coarse ones would only
+        # take the time.
+        if halving == 0 and not is_quick(cells):
+            continue
+        left = max(end - time.perf_counter(), 1.0)
+        found = (solve if cells.is_spread else branch_and_bound)(cells.merged(), left, CELL_TOLERANCE)
+        if found.bound < bound:
+            bound, n_cells = found.bound, len(cells.seen)
+        if not found.finished or time.perf_counter() > end:
+            break
+    return bound, n_cells
 
 
 def measure(

@@ -4,10 +4,13 @@ Choices are put together from two halves. With counts c_A and c_B of the cameras
 c_A = t and c_B <= T - 1 - t for some t < T, so T matrix products give the missed weight of all pairs of halves.
 """
 
+import math
 import time
+from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Int
+from jaxtyping import Float, Float32, Int
 
 from placement.proof.grid_program import SINGLE_PRECISION, GridProgram, GridSolution
 
@@ -16,9 +19,92 @@ BLOCK = 512
 # Views that are looked at together where each choice is tried by itself.
 VIEWS_PER_BLOCK = 1_000_000
 
+# Multiplications up to which enumeration is taken, within seconds.
+QUICK_MULTIPLICATIONS = 2e11
+# Pairs of cameras at a point that are looked at one by one, within seconds too.
+QUICK_PAIRS = 1e9
+
+
+def is_quick(program: GridProgram, multiplications: float = QUICK_MULTIPLICATIONS) -> bool:
+    """Whether enumeration takes seconds, or so many multiplications.
+
+    It multiplies for each choice, point and count below the threshold; where cameras must lie apart it looks at each
+    choice, point and pair of cameras.
+    """
+    n, free = program.n_free, int(program.allowed.sum()) - max(program.window - 1, -1) * (program.n_free - 1)
+    choices = np.prod([max(free - i, 0) / (i + 1) for i in range(n)]) if n else 1.0
+    work = float(choices) * len(program.weights)
+    if program.is_spread:
+        return work * max(1, math.comb(n + len(program.fixed), 2)) <= QUICK_PAIRS
+    return 2 * work * program.threshold <= multiplications  # twice: blocks hold choices in vain
+
 
 def enumerate_all(program: GridProgram, end: float = np.inf) -> GridSolution | None:
     """Try every choice; None if the clock (`time.perf_counter`) passes `end`."""
+    total = float(program.weights.sum()) or 1.0
+    best, choice = -np.inf, None
+    try:
+        for first, later, worth in _blocks(program, end):
+            at = np.unravel_index(worth.argmax(), worth.shape)
+            if worth[at] > best:
+                best, choice = float(worth[at]), (*first[at[0]].tolist(), *later[at[1]].tolist())
+    except TimeoutError:
+        return None
+    if choice is None:
+        return GridSolution(None, 0.0, 0.0, "enumeration", True)
+    value = program.value(choice)
+    return GridSolution(choice, value, value + SINGLE_PRECISION * total, "enumeration", True)
+
+
+class Leading(NamedTuple):
+    """The best of all choices, their worths, rounded up, and what none of the others is worth more than."""
+
+    choices: Int[np.ndarray, "C n"]
+    worths: Float[np.ndarray, " C"]
+    others: float
+
+
+def leading(program: GridProgram, most: int, least: float, end: float = np.inf) -> Leading | None:
+    """The `most` best choices worth more than `least`; None if the clock (`time.perf_counter`) passes `end`."""
+    total = float(program.weights.sum()) or 1.0
+    found = [(np.zeros((0, program.n_free), dtype=np.int64), np.zeros(0))]
+    others = least
+    try:
+        for first, later, worth in _blocks(program, end):
+            row, column = np.nonzero(worth > others / total - SINGLE_PRECISION)
+            worths = total * (worth[row, column].astype(np.float64) + SINGLE_PRECISION)
+            found.append((np.concatenate([first[row], later[column]], axis=1), worths))
+            if sum(len(some) for _, some in found) > 4 * most:
+                found, others = _best_of(found, most, others)
+    except TimeoutError:
+        return None
+    ((choices, worths),), others = _best_of(found, most, others)
+    return Leading(choices, worths, others)
+
+
+def _best_of(
+    found: list[tuple[Int[np.ndarray, "_ n"], Float[np.ndarray, " _"]]], most: int, others: float
+) -> tuple[list[tuple[Int[np.ndarray, "_ n"], Float[np.ndarray, " _"]]], float]:
+    """The `most` best of several sets of choices and their worths, as one; and the greatest worth of the `others`."""
+    choices, worths = (np.concatenate(parts) for parts in zip(*found, strict=True))
+    order = np.argsort(-worths, kind="stable")
+    if len(order) > most:
+        others = max(others, float(worths[order[most]]))
+    return [(choices[order[:most]], worths[order[:most]])], others
+
+
+def _blocks(
+    program: GridProgram, end: float
+) -> Iterator[tuple[Int[np.ndarray, "A h"], Int[np.ndarray, "B k"], Float32[np.ndarray, "A B"]]]:
+    """Every first half (A, h) with every second one (B, k), block by block, and what each pair is worth.
+
+    Of a total of 1; -inf where cameras may not be together.
+
+    Raises
+    ------
+    TimeoutError
+        When the clock (`time.perf_counter`) has passed `end`.
+    """
     n_places = len(program.seen)
     total = float(program.weights.sum()) or 1.0
     scaled = (program.weights / total).astype(np.float32)
@@ -29,7 +115,6 @@ def enumerate_all(program: GridProgram, end: float = np.inf) -> GridSolution | N
     start, stop = second.min(axis=1, initial=10 * n_places), second.max(axis=1, initial=-10 * n_places)
 
     points = [np.flatnonzero(program.site == site) for site in range(program.n_sites)]
-    best, choice = -np.inf, None
     for j in range(0, len(second), BLOCK):
         later = second[j : j + BLOCK]
         later_count = program.seen[later].sum(axis=1)
@@ -42,7 +127,7 @@ def enumerate_all(program: GridProgram, end: float = np.inf) -> GridSolution | N
         n_before = np.searchsorted(most, start[j : j + BLOCK].max() - program.window, side="right")
         for i in range(0, n_before, BLOCK):
             if time.perf_counter() > end:
-                return None
+                raise TimeoutError
             rows = slice(i, min(i + BLOCK, n_before))
             count = program.base + program.seen[first[rows]].sum(axis=1)
             worth = np.full((len(first[rows]), len(later)), np.inf, dtype=np.float32)
@@ -55,13 +140,7 @@ def enumerate_all(program: GridProgram, end: float = np.inf) -> GridSolution | N
             highest = np.maximum(most[rows, None], stop[None, j : j + BLOCK])
             ordered &= (highest + program.window <= least[rows, None] + n_places) | (program.n_free < 2)
             worth[~ordered] = -np.inf
-            at = np.unravel_index(worth.argmax(), worth.shape)
-            if worth[at] > best:
-                best, choice = float(worth[at]), (*first[i + at[0]].tolist(), *later[at[1]].tolist())
-    if choice is None:
-        return GridSolution(None, 0.0, 0.0, "enumeration", True)
-    value = program.value(choice)
-    return GridSolution(choice, value, value + SINGLE_PRECISION * total, "enumeration", True)
+            yield first[rows], later, worth
 
 
 def enumerate_spread(program: GridProgram, end: float = np.inf) -> GridSolution | None:

@@ -1,22 +1,19 @@
-"""Solve a grid program, by whichever of two ways is quicker: both give an upper bound that holds for every choice.
+"""Solve a grid program, by whichever of three ways is quickest: all give an upper bound that holds for every choice.
 
 - *Enumeration*, all choices, where there are not too many.
-- *Branch and bound* on linear programs for what is too many.
+- *Enumeration in groups* of places, of which the best are divided, where any two cameras make a point count.
+- *Branch and bound* on linear programs for the rest.
 """
 
-import math
 import time
+from dataclasses import replace
 
 import numpy as np
 
 from placement.proof.branching import branch_and_bound
-from placement.proof.enumeration import enumerate_all, enumerate_spread
+from placement.proof.enumeration import enumerate_all, enumerate_spread, is_quick
 from placement.proof.grid_program import GridProgram, GridSolution
-
-# Multiplications up to which enumeration is taken, within seconds.
-QUICK_MULTIPLICATIONS = 2e11
-# Pairs of cameras at a point that are looked at one by one, within seconds too.
-QUICK_PAIRS = 1e9
+from placement.proof.halving import halved
 
 
 def solve(program: GridProgram, seconds: float, gap: float, known: tuple[int, ...] | None = None) -> GridSolution:
@@ -43,23 +40,15 @@ def solve(program: GridProgram, seconds: float, gap: float, known: tuple[int, ..
     >>> found.places, found.value, found.method
     ((2, 3), 4.0, 'enumeration')
     """
-    end = time.perf_counter() + seconds
-    small = program.merged()
-    found = None
+    begun = time.perf_counter()
+    end, small = begun + seconds, program.merged()
     if is_quick(small):
         found = enumerate_spread(small, end) if small.is_spread else enumerate_all(small, end)
-    return found or branch_and_bound(small, max(end - time.perf_counter(), 1.0), gap, known=known)
-
-
-def is_quick(program: GridProgram) -> bool:
-    """Whether enumeration takes seconds.
-
-    It multiplies for each choice, point and count below the threshold; where cameras must lie apart it looks at each
-    choice, point and pair of cameras.
-    """
-    n, free = program.n_free, int(program.allowed.sum()) - max(program.window - 1, -1) * (program.n_free - 1)
-    choices = np.prod([max(free - i, 0) / (i + 1) for i in range(n)]) if n else 1.0
-    work = float(choices) * len(program.weights)
-    if program.is_spread:
-        return work * max(1, math.comb(n + len(program.fixed), 2)) <= QUICK_PAIRS
-    return 2 * work * program.threshold <= QUICK_MULTIPLICATIONS  # twice: blocks hold choices in vain
+        if found is not None:
+            return found
+    found = None if small.is_spread or small.n_free == 0 else halved(program, known, -np.inf, begun + seconds / 2)
+    if found is not None and (found.finished or found.bound <= found.value * (1 + gap)):
+        return replace(found, finished=True)
+    known = known if found is None else found.places
+    rest = branch_and_bound(small, max(end - time.perf_counter(), 1.0), gap, known=known)
+    return rest if found is None or rest.bound <= found.bound else replace(rest, bound=found.bound)

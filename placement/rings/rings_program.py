@@ -18,9 +18,8 @@ import scipy.sparse as sparse
 from jaxtyping import Bool, Float, Int
 from scipy.optimize import Bounds, LinearConstraint, milp
 
-from placement.proof.enumeration import BLOCK
+from placement.proof.enumeration import BLOCK, QUICK_MULTIPLICATIONS
 from placement.proof.grid_program import SINGLE_PRECISION, GridSolution
-from placement.proof.solver import QUICK_MULTIPLICATIONS
 
 MILP = "mixed-integer program"
 # Choices of half of the cameras beyond which they are not even counted.

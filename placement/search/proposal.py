@@ -40,7 +40,7 @@ def bound(problem: "Problem", space: LayoutSpace, layout=None) -> Certificate:
     demand = problem.demanded(space.constraints, space.n_cameras)
     if layout is not None:
         _refuse_other(space, layout)
-    certificate = certified(problem, space, demand)
+    certificate = certified(problem, space, demand, () if layout is None else (np.array(layout, dtype=np.float64),))
     return certificate if layout is None else measured(problem, certificate, space, layout, demand)
 
 

@@ -13,6 +13,7 @@ from placement.proof.branching import branch_and_bound
 from placement.proof.certificate import cells_of, certify_samples, grid_of, measure
 from placement.proof.enumeration import enumerate_all, enumerate_spread
 from placement.proof.grid_program import GridProgram
+from placement.proof.halving import halved
 from placement.proof.solver import solve
 from placement.samples.profiles import RingProfiles
 from placement.samples.sampled_coverage import SampledCoverage
@@ -51,9 +52,9 @@ def brute_force(program):
     return best
 
 
-def random_program(seed, n_sites, apart):
+def random_program(seed, n_sites, apart, n_places=None):
     rng = np.random.default_rng(seed)
-    n_places, n_points = int(rng.integers(6, 12)), 25
+    n_places, n_points = n_places or int(rng.integers(6, 12)), 25
     starts, lengths = rng.integers(0, n_places, n_points), rng.integers(0, n_places + 1, n_points)
     seen = (np.arange(n_places)[:, None] - starts) % n_places < lengths
     seen ^= (np.arange(n_places)[:, None] - rng.integers(0, n_places, n_points)) % n_places < 2
@@ -94,6 +95,32 @@ def test_cameras_that_must_lie_apart_against_trying_every_choice(seed, n_sites):
             assert found.value == pytest.approx(best, rel=1e-6, abs=1e-9)
             assert best - 1e-9 <= found.bound <= best + 1e-4 * program.weights.sum()
             assert program.value(found.places) == pytest.approx(merged.value(found.places))
+
+
+@pytest.mark.parametrize("equal", [True, False])
+@pytest.mark.parametrize("n_sites", [1, 3])
+@pytest.mark.parametrize("seed", range(20))
+def test_groups_against_trying_every_choice(seed, n_sites, equal, monkeypatch):
+    monkeypatch.setattr("placement.proof.halving.FIRST_MULTIPLICATIONS", 1e3 if seed % 2 else 0.0)
+    program = random_program(seed, n_sites, 0, n_places=(8, 12, 16)[seed % 3])
+    if equal:
+        program = dataclasses.replace(program, weights=np.random.default_rng(seed).integers(1, 7, 25) * 0.37)
+    best, rounding = brute_force(program), 2e-4 * program.weights.sum()
+    if program.n_free == 0:
+        return
+    known = enumerate_all(program).places
+    for choice, least in ((None, -np.inf), (None, 0.7 * best), (known, -np.inf)):
+        found = halved(program, choice, least, np.inf)
+        assert found.finished and (found.places is None) == (best < 0)
+        assert found.value == pytest.approx(max(best, 0.0), rel=1e-9 if equal else 1e-4)
+        assert best - 1e-9 <= found.bound <= max(best, 0.0) + rounding
+    assert halved(program, None, best + 1, np.inf).bound == best + 1
+    assert (hurried := halved(program, None, -np.inf, 0.0)) is None or hurried.bound >= best
+    monkeypatch.setattr("placement.proof.solver.is_quick", lambda program: False)
+    found = solve(program, 20.0, 1e-3)
+    assert found.finished and found.value == pytest.approx(max(best, 0.0), rel=1e-3)
+    monkeypatch.setattr("placement.proof.halving.MOST_WAITING", 2)
+    assert halved(program, None, -np.inf, np.inf).bound >= best
 
 
 def test_blocks_of_halves_leave_nothing_out(monkeypatch):
