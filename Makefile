@@ -8,27 +8,34 @@ OLDEST_TESTS := $(addprefix tests/,whole/test_dependencies.py exact/test_closed_
 	exact/rays/test_sites.py::test_awkward_meshes meshes/test_load.py placement/test_soft_coverage.py \
 	bad_input/test_refused.py)
 
-.PHONY: demo test test-all test-oldest lint lock docs clean
+.PHONY: demo test test-all test-oldest compiled lint lock docs clean
 
 demo: .venv/installed
 	$(BIN)/camring optimise circ_artery --depth 50 --cameras 4 --out out/demo --force
 
 # Needs Chromium or Chrome too, to look at reports with: on Debian and Ubuntu, apt-get install chromium. At the end it
 # lists the lines that no test reaches in its own process.
-test: .venv/installed-test lint
+test: .venv/installed-test lint compiled
 	$(PYTEST)
 
 # Those that take long, too: three times as long as `make test`.
-test-all: .venv/installed-test lint
+test-all: .venv/installed-test lint compiled
 	$(PYTEST) --all
 
 # The oldest releases that pyproject.toml allows, in an environment of their own. What they warn of is of their time.
 test-oldest: .venv-oldest/installed
 	.venv-oldest/bin/pytest -n 2 -W default $(OLDEST_TESTS)
 
-lint: .venv/installed-test
+# Once for all processes that tests start, which write no bytecode.
+compiled: .venv/installed-test
+	$(BIN)/python -m compileall -q camring.py meshes exact placement experiments
+
+lint: .venv/linted
+
+.venv/linted: .venv/installed-test $(shell find *.py meshes exact placement experiments tests docs -name '*.py')
 	$(BIN)/ruff check .
 	$(BIN)/pyright
+	touch $@
 
 # Write both files of pinned releases anew: the newest and the oldest that pyproject.toml allows.
 lock: .venv/bin/pip

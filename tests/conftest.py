@@ -18,8 +18,8 @@ from experiments.cli.app import main  # noqa: E402
 from experiments.cli.jax_cache import keep_compiled  # noqa: E402
 from tests.support import ROOT  # noqa: E402
 
-# Processes that tests start share what Python compiles.
-os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+# Processes that may not write much, as some tests start them, would leave modules behind that are cut off.
+os.environ["PYTHONDONTWRITEBYTECODE"] = "1"
 # Compiling takes most of the time of many tests: the processes of a run share what they compile.
 os.environ.setdefault("JAX_COMPILATION_CACHE_DIR", str(ROOT / ".pytest_cache" / "jax"))
 os.environ.setdefault("JAX_COMPILATION_CACHE_MAX_SIZE", "-1")  # a limit is a look at all of it for each function
@@ -57,12 +57,19 @@ def _own_cache_folder():
         yield
 
 
+@pytest.hookimpl(tryfirst=True)  # before any fixture
+def pytest_runtest_setup(item):
+    """Check types where `placement` itself is tested: elsewhere the same once more would take a tenth of the time."""
+    config.update("jaxtyping_disable", not item.nodeid.startswith(("placement/", "tests/placement/")))
+
+
 @pytest.fixture
 def unchecked():
     """No check of types before a function's own: for what is of a wrong type on purpose."""
+    before = config.jaxtyping_disable
     config.update("jaxtyping_disable", True)
     yield
-    config.update("jaxtyping_disable", False)
+    config.update("jaxtyping_disable", before)
 
 
 @pytest.fixture

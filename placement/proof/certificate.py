@@ -34,6 +34,8 @@ from placement.settings import Settings
 PROOF_TOLERANCE = 0.002
 # The same for the program over cells, whose solver adds this much to the bound at most.
 CELL_TOLERANCE = 0.001
+# How much a bound by single cells may be above what is known to be possible: half of what samples err by.
+CLOSE = 0.0005
 # Angles that differ by less than this many steps are the same.
 STEP_TOLERANCE = 1e-6
 # Cells are halved at most this often: to three times the width to which the ends of arcs of visibility are known. Where
@@ -210,9 +212,9 @@ def _any_angle(
     bound, n_cells = float(profiles.sums(np.asarray(profiles.visible.any(axis=0))).min()), n_grid
     cells = cells_of(profiles, space, demand, n_grid * 2**MOST_HALVINGS)
     if not cells.is_spread and cells.n_free > 0:
-        found = halved(cells, None, least, end)
+        found = halved(cells, None, least * (1 + CLOSE), end)
         if found is not None:
-            bound, n_cells = max(found.bound, least), len(cells.seen)
+            bound, n_cells = min(found.bound, bound), len(cells.seen)
             if found.finished:
                 return bound, n_cells
     for halving in range(MOST_TREE_HALVINGS + 1):

@@ -20,9 +20,6 @@ from experiments.request import rig as rig_file
 from placement.layouts.arcs import LayoutSpace
 from tests.support.files import LAYOUT
 
-# Requests of a wrong type are refused by what they are made to, not by the check of types that tests add.
-pytestmark = pytest.mark.usefixtures("unchecked")
-
 FUZZER = Path(__file__).parent / "fuzz_readers.py"
 QUICK = settings(max_examples=300, deadline=None)
 

@@ -6,9 +6,6 @@ import pytest
 
 from tests.bad_input.cases import CASES
 
-# Requests of a wrong type are refused by what they are made to, not by the check of types that tests add.
-pytestmark = pytest.mark.usefixtures("unchecked")
-
 
 def everything(folder):
     """Files and links below a folder with their size and time. An empty folder that was made for results is none."""

@@ -12,7 +12,7 @@ from placement import Constraints, PlacementError, Settings, TradedLayout, Trade
 from placement.samples.sampled_coverage import SampledCoverage
 
 RING = exact.Ring()
-QUICK = Settings(n_samples=1500, n_angles=60, n_starts=6, ring_cameras=24, exact_candidates=3, certificate_step=0.35)
+QUICK = Settings(n_samples=1500, n_angles=60, n_starts=3, ring_cameras=24, exact_candidates=3, certificate_step=0.35)
 
 
 @pytest.fixture(scope="module")
@@ -38,6 +38,8 @@ def test_every_figure_is_that_of_the_exact_evaluation(trench, problem, found):
         own = exact.evaluate(trench, RING.cameras(layout.angles), depth_axis=RING.axis)
         assert layout.area == pytest.approx(own.area, rel=1e-12)
         assert layout.fraction == pytest.approx(own.area / problem.ring_maximum.areas[0], rel=1e-12)
+        # Errors are averages over parts of the surface, which depend to 1e-8 on how it is divided.
+        own = exact.evaluate(trench, RING.cameras(layout.angles), depth_axis=RING.axis, all_views=True)
         assert layout.error_rms == pytest.approx(own.error_rms, rel=1e-9)
 
 

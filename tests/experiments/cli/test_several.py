@@ -184,7 +184,6 @@ REFUSED = {
 }
 
 
-@pytest.mark.usefixtures("unchecked")
 @pytest.mark.parametrize("name", REFUSED)
 def test_what_does_not_fit_is_refused(camring, desk, tmp_path, name):
     words, message = REFUSED[name]
