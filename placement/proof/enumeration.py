@@ -67,14 +67,14 @@ class Leading(NamedTuple):
 def leading(program: GridProgram, most: int, least: float, end: float = np.inf) -> Leading | None:
     """The `most` best choices worth more than `least`; None if the clock (`time.perf_counter`) passes `end`."""
     total = float(program.weights.sum()) or 1.0
-    found = [(np.zeros((0, program.n_free), dtype=np.int64), np.zeros(0))]
+    found = [(np.zeros((0, program.n_free), dtype=np.int32), np.zeros(0))]
     others = least
     try:
         for first, later, worth in _blocks(program, end):
             row, column = np.nonzero(worth > others / total - SINGLE_PRECISION)
             worths = total * (worth[row, column].astype(np.float64) + SINGLE_PRECISION)
-            found.append((np.concatenate([first[row], later[column]], axis=1), worths))
-            if sum(len(some) for _, some in found) > 4 * most:
+            found.append((np.concatenate([first[row], later[column]], axis=1).astype(np.int32), worths))
+            if sum(len(some) for _, some in found) > 2 * most:
                 found, others = _best_of(found, most, others)
     except TimeoutError:
         return None

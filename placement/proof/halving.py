@@ -20,7 +20,7 @@ METHOD = "enumeration in groups"
 FIRST_MULTIPLICATIONS = 5e10
 # Choices that wait, at most: of more, the others are set aside. They are kept in so many classes, by what they are
 # worth, and so many are divided at a time.
-MOST_WAITING, N_CLASSES, MOST_DIVIDED = 4_000_000, 256, 65_536
+MOST_WAITING, N_CLASSES, MOST_DIVIDED = 2_000_000, 256, 65_536
 # Choices whose worths are found together.
 BLOCK = 1024
 # Points whose weights are whole multiples of the least one, to this part of it, are counted; others are rounded up to
