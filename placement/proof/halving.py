@@ -59,15 +59,16 @@ def halved(program: GridProgram, known: tuple[int, ...] | None, least: float, en
     >>> round(found.value, 3), round(found.bound, 3), found.finished
     (7.0, 7.0, True)
     """
-    levels = [program]
-    while len(levels[-1].seen) % 2 == 0 and not is_quick(levels[-1].merged(), FIRST_MULTIPLICATIONS):
+    first = program.merged()
+    levels = [first]
+    while len(first.seen) % 2 == 0 and not is_quick(first, FIRST_MULTIPLICATIONS):
         levels.append(_in_pairs(levels[-1]))
+        first = levels[-1].merged()
     best, places = (least, None) if known is None else (max(least, program.value(known)), known)
-    first = levels[-1].merged()
     found = leading(first, MOST_WAITING, best, end) if is_quick(first) else None
     if found is None:
         return None
-    tree, (choices, worths, others) = _Tree.of(program.merged(), len(levels)), found
+    tree, (choices, worths, others) = _Tree.of(levels), found
     waiting = _Waiting(worths)
     while True:
         # Choices of single places are done with; what is not worth more than the best of them is of no concern.
@@ -156,12 +157,9 @@ class _Tree(NamedTuple):
     window: int
 
     @classmethod
-    def of(cls, program: GridProgram, n_levels: int) -> "_Tree":
-        """Places in groups of 1, 2, 4, .."""
-        levels = [program]
-        for _ in range(n_levels - 1):
-            levels.append(_in_pairs(levels[-1]))
-        levels = levels[::-1]
+    def of(cls, levels: list[GridProgram]) -> "_Tree":
+        """Places, pairs of them, pairs of pairs, .."""
+        program, levels = levels[0], levels[::-1]
         sizes = [len(program.seen) // len(level.seen) for level in levels]
         points, weights = _words(program)
 
