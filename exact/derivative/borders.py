@@ -104,7 +104,8 @@ def _followed(face: np.ndarray, start: np.ndarray, end: np.ndarray, cuts: Cuts) 
     followed = np.full(len(face), -1)
     along = cuts.end - cuts.start
     length = np.hypot(along[:, 0], along[:, 1])
-    along /= np.maximum(length, np.finfo(float).tiny)[:, None]
+    # Where faces only touch, in a point, nothing is a line; a point would lie on any.
+    along = np.divide(along, length[:, None], out=np.full_like(along, np.nan), where=length[:, None] > SAME_LINE)
     offset = along[:, 0] * cuts.start[:, 1] - along[:, 1] * cuts.start[:, 0]
     first = np.searchsorted(cuts.face, face, "left")
     count = np.searchsorted(cuts.face, face, "right") - first
@@ -113,13 +114,13 @@ def _followed(face: np.ndarray, start: np.ndarray, end: np.ndarray, cuts: Cuts) 
         cut = np.repeat(first[low:high], count[low:high]) + counting(count[low:high])
         away = np.abs(along[cut, 0] * start[side, 1] - along[cut, 1] * start[side, 0] - offset[cut])
         near = np.flatnonzero(away < SAME_LINE)
-        side, cut, away = side[near], cut[near], away[near]
+        side, cut = side[near], cut[near]
         other = along[cut, 0] * end[side, 1] - along[cut, 1] * end[side, 0] - offset[cut]
-        away = np.maximum(away, np.abs(other))
         at = ((start[side] + end[side]) / 2 - cuts.start[cut]) * along[cut]
         at = at[:, 0] + at[:, 1]
-        near = np.flatnonzero((away < SAME_LINE) & (at > -SAME_LINE) & (at < length[cut] + SAME_LINE))
-        # Of several the nearest: written last, it stays.
-        near = near[np.argsort(-away[near], kind="stable")]
+        near = np.flatnonzero((np.abs(other) < SAME_LINE) & (at > -SAME_LINE) & (at < length[cut] + SAME_LINE))
+        # Of several, where cameras stand in line with an edge, the first: it must be the same for both pieces that meet
+        # there. Written last, it stays.
+        near = near[np.argsort(-cut[near], kind="stable")]
         followed[side[near]] = cut[near]
     return followed

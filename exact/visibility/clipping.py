@@ -24,12 +24,13 @@ MOST_CORNERS, MOST_HALVINGS = 12, 6
 POLYGON = 3
 # Gaps narrower than this part of the face are rounding, not shape.
 NECK = 1e-9
+# Of a face, in its own coordinates.
+CORNERS = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
 
 
 def whole_faces(n: int) -> np.ndarray:
     """(n,) polygons of `n` uncut faces."""
-    outline = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.0, 0.0]])
-    return np.full(n, shapely.Polygon(outline), dtype=object)
+    return np.full(n, shapely.Polygon(CORNERS), dtype=object)
 
 
 def cut_pieces(face: np.ndarray, piece: np.ndarray, cuts: Cuts, on_grid: np.ndarray):
@@ -59,34 +60,34 @@ def cut_pieces(face: np.ndarray, piece: np.ndarray, cuts: Cuts, on_grid: np.ndar
     ExactError
         If the cells of a piece do not fill it even then.
     """
-    owner, line = _segments_over(face, piece, cuts)
-    crossed = np.zeros(len(piece), dtype=bool)
+    part, of_piece = shapely.get_parts(piece, return_index=True)
+    owner, line = _segments_over(face[of_piece], part, cuts)
+    crossed = np.zeros(len(part), dtype=bool)
     crossed[owner] = True
-    whole, whole_owner = shapely.get_parts(piece[~crossed], return_index=True)
-    outline, outline_owner = shapely.get_parts(shapely.boundary(piece[crossed]), return_index=True)
+    outline, outline_owner = shapely.get_parts(shapely.boundary(part[crossed]), return_index=True)
     everything = np.concatenate([outline, line])
     everything_owner = np.concatenate([np.flatnonzero(crossed)[outline_owner], owner])
     order = np.argsort(everything_owner, kind="stable")
-    drawing = np.full(len(piece), None, dtype=object)
+    drawing = np.full(len(part), None, dtype=object)
     number = np.cumsum(crossed) - 1
     drawing[crossed] = shapely.multilinestrings(everything[order], indices=number[everything_owner[order]])
-    on_grid = on_grid & crossed
+    on_grid = on_grid[of_piece] & crossed
     plain = np.flatnonzero(crossed & ~on_grid)
-    first_try = _cells(piece, drawing, plain, grid_size=None)
-    failed = _unfilled(piece, *first_try, plain)
+    first_try = _cells(part, drawing, plain, grid_size=None)
+    failed = _unfilled(part, *first_try, plain)
     on_grid[failed] = True
-    second_try = _cells(piece, drawing, np.flatnonzero(on_grid), grid_size=GRID_SIZE)
-    still = _unfilled(piece, *second_try, np.flatnonzero(on_grid))
+    second_try = _cells(part, drawing, np.flatnonzero(on_grid), grid_size=GRID_SIZE)
+    still = _unfilled(part, *second_try, np.flatnonzero(on_grid))
     if len(still):
         raise ExactError(
-            f"face {face[still[0]]} could not be cut into visible pieces that fill it up to rounding; "
+            f"face {face[of_piece[still[0]]]} could not be cut into visible pieces that fill it up to rounding; "
             "please report the mesh"
         )
     keep = ~on_grid[first_try[0]]
-    origin = np.concatenate([np.flatnonzero(~crossed)[whole_owner], first_try[0][keep], second_try[0]])
-    cell = np.concatenate([whole, first_try[1][keep], second_try[1]])
+    origin = np.concatenate([np.flatnonzero(~crossed), first_try[0][keep], second_try[0]])
+    cell = np.concatenate([part[~crossed], first_try[1][keep], second_try[1]])
     order = np.argsort(origin, kind="stable")
-    return origin[order], cell[order], len(failed)
+    return of_piece[origin[order]], cell[order], len(failed)
 
 
 def halved_pieces(face: np.ndarray, piece: np.ndarray, cuts: Cuts, on_grid: np.ndarray):
@@ -256,7 +257,7 @@ def unite(group: np.ndarray, polygon: np.ndarray):
 
 
 def _segments_over(face: np.ndarray, piece: np.ndarray, cuts: Cuts):
-    """Lines of `cuts` that meet a piece of their face: the piece of each, (L,) int, and the line."""
+    """Lines of `cuts` that part a piece of their face, a polygon: the piece of each, (L,) int, and the line."""
     first, last = np.searchsorted(cuts.face, face, "left"), np.searchsorted(cuts.face, face, "right")
     count = last - first
     owner = np.repeat(np.arange(len(face)), count)
@@ -265,11 +266,35 @@ def _segments_over(face: np.ndarray, piece: np.ndarray, cuts: Cuts):
     low, high = np.minimum(start, end), np.maximum(start, end)
     box = shapely.bounds(piece)[owner]
     near = (low <= box[:, 2:] + GRID_SIZE).all(axis=1) & (high >= box[:, :2] - GRID_SIZE).all(axis=1)
+    owner, start, end = owner[near], start[near], end[near]
+    near = _more_than_touches(piece, owner, start, end)
     owner = owner[near]
     line = np.asarray(shapely.linestrings(np.stack([start[near], end[near]], axis=1)))
     # Within the grid size is as good as touching, since the cutting may move lines by that much.
     meets = shapely.dwithin(line, piece[owner], GRID_SIZE)
     return owner[meets], line[meets]
+
+
+def _more_than_touches(piece: np.ndarray, owner: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
+    """(L,) whether a segment may do more to its piece than touch a corner of the face: many lead away from there.
+
+    One that runs along the outline, or touches it elsewhere, may be what a segment that ends there hangs together with.
+    """
+    point, of_piece = shapely.get_coordinates(piece, return_index=True)
+    at_corner = (np.abs(point[:, None] - CORNERS).max(axis=2) <= GRID_SIZE).any(axis=1)
+    count = np.bincount(of_piece, minlength=len(piece))
+    number = count[owner]
+    at = np.repeat((np.cumsum(count) - count)[owner], number) + counting(number)
+    along = end - start
+    along = np.repeat(along / np.maximum(np.hypot(along[:, 0], along[:, 1]), 1e-300)[:, None], number, axis=0)
+    away = point[at] - np.repeat(start, number, axis=0)
+    side = along[:, 0] * away[:, 1] - along[:, 1] * away[:, 0]
+    begins = np.cumsum(number) - number
+    on_it = (np.abs(side) <= GRID_SIZE) & ~at_corner[at]
+    if not len(begins):
+        return np.zeros(0, dtype=bool)
+    parts = (np.minimum.reduceat(side, begins) < -GRID_SIZE) & (np.maximum.reduceat(side, begins) > GRID_SIZE)
+    return parts | np.maximum.reduceat(on_it, begins)
 
 
 def _cells(piece: np.ndarray, drawing: np.ndarray, chosen: np.ndarray, grid_size: float | None):
@@ -289,6 +314,7 @@ def _without_necks(cell: np.ndarray, origin: np.ndarray):
     through it to what is really another cell, so that no one point speaks for all of it.
     """
     suspects = np.flatnonzero(shapely.get_num_coordinates(cell) > 4)
+    suspects = suspects[_convex(cell[suspects])[1] == 0]
     suspects = suspects[shapely.minimum_clearance(cell[suspects]) < NECK]
     if not len(suspects):
         return cell, origin

@@ -318,10 +318,8 @@ def _refine(count: Count, pieces: Pieces, sights: list[Sight], status, block, cr
 
     met = settled(pieces, 0)
     done, pieces, n_repairs = [pieces.take(met)], pieces.take(~met), 0
-    to_come = coming.copy()
-    to_come[block] = True
+    parted = np.zeros(len(status), dtype=bool)
     for k, camera in enumerate(block):
-        to_come[camera] = False
         crossed = status[pieces.face, k] == CUT
         if not crossed.any():
             continue
@@ -345,10 +343,13 @@ def _refine(count: Count, pieces: Pieces, sights: list[Sight], status, block, cr
         met, cells_met = settled(cut, k + 1), settled(cells, k + 1)
         done += [cut.take(met), cells.take(cells_met)]
         cells = cells.take(~cells_met)
-        if to_come.any() and not criterion.by_set:
-            cells, repairs = _merged(cells, criterion.state(cells.seen, to_come))
-            n_repairs += repairs
+        parted[cells.face] = True
         pieces = Pieces.joined([rest, cut.take(~met), cells])
+    if coming.any() and not criterion.by_set:
+        again = parted[pieces.face]
+        merged, repairs = _merged(pieces.take(again), criterion.state(pieces.seen[again], coming))
+        n_repairs += repairs
+        pieces = Pieces.joined([pieces.take(~again), merged])
     return Pieces.joined(done), pieces, n_repairs
 
 

@@ -23,6 +23,9 @@ SIDES, FIXED, NEAREST, FARTHEST, STEEPEST = np.array([-1, -2, -3, -4]), -5, -6, 
 APART = 1e-9
 # Segments from a common end at a smaller angle than this [rad] may run along each other.
 TURNED = 1e-6
+# Where they cross at a smaller angle than this [rad] is not clear enough to part one there; parts reach so much beyond
+# where they begin and end, in parts of the way of the whole.
+SLANTED, BEYOND = 1e-4, 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -198,21 +201,26 @@ def _clip(screen: Screen, found: np.ndarray, start: _Ends, end: _Ends) -> Cuts:
     found, inverse, step = found[keep], inverse[keep], step[keep]
     start, end = start.take(keep), end.take(keep)
     source, ends = np.stack([start.point, end.point], axis=1), []
+    enter, leave, at_start, at_end = enter[keep], leave[keep], at_start[keep], at_end[keep]
     if screen.face_distance is None and image.frame is None:
         places = [
             _Ends(
                 start.point,
-                start.x + at[keep] * (end.x - start.x),
-                start.y + at[keep] * (end.y - start.y),
-                ((at_start[keep] + at[keep, None] * step) * inverse).sum(axis=1),
+                start.x + at * (end.x - start.x),
+                start.y + at * (end.y - start.y),
+                ((at_start + at[:, None] * step) * inverse).sum(axis=1),
             )
             for at in (enter, leave)
         ]
-        matters = _matters(screen, found, start, end, *places)
-        keep[keep] = matters
-        found, inverse, step, source = found[matters], inverse[matters], step[matters], source[matters]
-    for at in (enter[keep], leave[keep]):
-        where = np.where(at[:, None] == 1.0, at_end[keep], at_start[keep] + at[:, None] * step)
+        which, low, high = _seen_parts(screen, found, start, end, *places)
+        found, inverse, step, source = found[which], inverse[which], step[which], source[which]
+        at_start, at_end, enter, leave = at_start[which], at_end[which], enter[which], leave[which]
+        enter, leave = (
+            np.where(low > 0, enter + low * (leave - enter), enter),
+            np.where(high < 1, enter + high * (leave - enter), leave),
+        )
+    for at in (enter, leave):
+        where = np.where(at[:, None] == 1.0, at_end, at_start + at[:, None] * step)
         weight = where * inverse  # perspective: 1/depth is affine in the image, the place in the plane is not
         weight = weight / weight.sum(axis=1, keepdims=True)
         if image.frame is None:
@@ -222,27 +230,67 @@ def _clip(screen: Screen, found: np.ndarray, start: _Ends, end: _Ends) -> Cuts:
     return Cuts(screen.parent[found], ends[0], ends[1], source)
 
 
-def _matters(screen: Screen, found: np.ndarray, start: _Ends, end: _Ends, enter: _Ends, leave: _Ends) -> np.ndarray:
-    """Whether cuts of triangles `found`, from `enter` to `leave`, can part what is seen from what is not.
+def _seen_parts(screen: Screen, found: np.ndarray, start: _Ends, end: _Ends, enter: _Ends, leave: _Ends):
+    """Parts of cuts of triangles `found`, from `enter` to `leave`, that can part what is seen from what is not.
 
-    A cut does not if its triangle is hidden on both sides of it: by another sheet of faces than that of the silhouette
-    from `start` to `end` itself. Whatever hides the middle of a cut hides all of it, unless a sheet ends or folds back
-    on the way, in front of the triangle, or a face cuts through the triangle.
+    Others do not: there the triangle is hidden on both sides, by another sheet of faces than that of the silhouette
+    from `start` to `end` itself. Whatever hides the middle of a part hides all of it, unless a sheet ends or folds back
+    on the way, in front of the triangle, or a face cuts through the triangle. So a cut is parted where one does.
+
+    Returns
+    -------
+    cut : (K,) int
+    low, high : (K,) float
+        Where each part begins and ends, in parts of the way.
     """
-    image, surface = screen.image, screen.image.surface
+    surface = screen.image.surface
     cut_through = np.zeros(len(surface.faces), dtype=bool)
     cut_through[surface.intersections.face] = True
     asked = np.flatnonzero(~cut_through[screen.parent[found]])
     hidden, covered = _hidden_by_others(screen, *(ends.take(asked) for ends in (start, end, enter, leave)))
-    matters = np.ones(len(found), dtype=bool)
-    matters[asked[hidden]] = False
-    asked = asked[hidden & ~covered]
+    cut, at = _crossed(screen, asked[~(hidden & covered)], start, end, enter, leave)
+    # Where it is not clear where a sheet ends, nothing is left out.
+    unclear, parted = np.zeros((2, len(found)), dtype=bool)
+    unclear[cut[np.isnan(at)]] = True
+    cut, at = cut[~unclear[cut]], at[~unclear[cut]]
+    parted[cut] = True
+    whole = ~parted
+    whole[asked[hidden]] = False
+    whole = np.flatnonzero(whole | unclear)
+
+    owner = np.concatenate([np.flatnonzero(parted), cut, np.flatnonzero(parted)])
+    at = np.concatenate([np.zeros(parted.sum()), at, np.ones(parted.sum())])
+    order = np.lexsort((at, owner))
+    owner, at = owner[order], at[order]
+    low = np.flatnonzero(owner[1:] == owner[:-1])
+    owner, low, high = owner[low], at[low], at[low + 1]
+    ways = (_between(enter.take(owner), leave.take(owner), side) for side in (low, high))
+    seen = ~_hidden_by_others(screen, start.take(owner), end.take(owner), *ways)[0]
+    # What follows upon each other is one part.
+    goes_on = (owner[1:] == owner[:-1]) & seen[1:] & seen[:-1]
+    first, last = np.flatnonzero(seen & ~np.append(False, goes_on)), np.flatnonzero(seen & ~np.append(goes_on, False))
+    low, high = np.maximum(low[first] - BEYOND, 0.0), np.minimum(high[last] + BEYOND, 1.0)
+    all_of = np.ones(len(whole))
+    return np.append(whole, owner[first]), np.append(all_of - 1, low), np.append(all_of, high)
+
+
+def _between(enter: _Ends, leave: _Ends, at: np.ndarray) -> _Ends:
+    """Places on the way from one to the other."""
+    values = [a + at * (b - a) for a, b in ((enter.x, leave.x), (enter.y, leave.y),
+              (enter.inverse_depth, leave.inverse_depth))]  # fmt: skip
+    return _Ends(enter.point, *values)
+
+
+def _crossed(screen: Screen, asked: np.ndarray, start: _Ends, end: _Ends, enter: _Ends, leave: _Ends):
+    """Where sheets end or fold back in front of cuts: (P,) which of the `asked`, and (P,) where, nan if not clear."""
+    image = screen.image
     which, cell = screen.grid.touched(
         np.stack([enter.x[asked], leave.x[asked]], axis=1), np.stack([enter.y[asked], leave.y[asked]], axis=1),
         screen.marks,
     )  # fmt: skip
     which = asked[which]
     count = screen.first_rim[cell + 1] - screen.first_rim[cell]
+    cuts, places = [np.zeros(0, dtype=int)], [np.zeros(0)]
     for low, high in blocks(count, PAIRS):
         part = slice(low, high)
         cut = np.repeat(which[part], count[part])
@@ -252,8 +300,18 @@ def _matters(screen: Screen, found: np.ndarray, start: _Ends, end: _Ends, enter:
         nearest = image.inverse_depth[rim].max(axis=1) * (1 + SAME_DEPTH)
         ahead = nearest >= np.minimum(enter.inverse_depth[cut], leave.inverse_depth[cut])
         cut, rim = cut[ahead], rim[ahead]
-        matters[cut[_meets(image, rim, start.take(cut), end.take(cut), enter.take(cut), leave.take(cut))]] = True
-    return matters
+        meets = _meets(image, rim, start.take(cut), end.take(cut), enter.take(cut), leave.take(cut))
+        cut, rim = cut[meets], rim[meets]
+        along_x, along_y = leave.x[cut] - enter.x[cut], leave.y[cut] - enter.y[cut]
+        x, y = image.x[rim], image.y[rim]
+        rim_x, rim_y = x[:, 1] - x[:, 0], y[:, 1] - y[:, 0]
+        turn = along_x * rim_y - along_y * rim_x
+        clear = np.abs(turn) > SLANTED * np.hypot(along_x, along_y) * np.hypot(rim_x, rim_y)
+        away = (x[:, 0] - enter.x[cut]) * rim_y - (y[:, 0] - enter.y[cut]) * rim_x
+        at = np.divide(away, turn, out=np.full(len(cut), np.nan), where=clear)
+        cuts.append(cut)
+        places.append(np.clip(at, 0.0, 1.0))
+    return np.concatenate(cuts), np.concatenate(places)
 
 
 def _hidden_by_others(screen: Screen, start: _Ends, end: _Ends, enter: _Ends, leave: _Ends):

@@ -63,23 +63,23 @@ def test_a_part_lost_from_a_small_piece_of_a_large_face_is_noticed(monkeypatch):
 
     monkeypatch.setattr(shapely, "union_all", forgetful)
     plain = rectangle((-5e6, 5e6), (-5e6, 5e6))
-    result = exact.evaluate(plain, [above(x, fov=(40, 40)) for x in (0.0, 10.0, 20.0)])
-    assert result.area == pytest.approx(40 * 40, rel=1e-6)
+    result = exact.evaluate(plain, [above(x, fov=(40, 40)) for x in np.linspace(0.0, 20.0, 9)])
+    assert result.area == pytest.approx(55 * 40, rel=1e-6)
     assert result.repairs > 0
 
 
 def test_pieces_that_overlap_are_counted(monkeypatch):
     """Each cut may give a little more than there was; what adds up to more than the face is said, not hidden."""
     polygonize, plain = shapely.polygonize, rectangle((-50, 50), (-50, 50))
-    cameras = [above(x, fov=(60, 60)) for x in (-3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0)]
-    assert exact.evaluate(plain, cameras, threshold=7).repairs == 0
+    cameras = [above(x, fov=(60, 60)) for x in np.arange(-6.0, 7.0)]
+    assert exact.evaluate(plain, cameras, threshold=13).repairs == 0
     slightly = np.array([1 + 6e-11, 1.0])
     monkeypatch.setattr(
         shapely,
         "polygonize",
         lambda *lines, **options: shapely.transform(polygonize(*lines, **options), slightly.__mul__),
     )
-    assert exact.evaluate(plain, cameras, threshold=7).repairs == 2  # its two faces
+    assert exact.evaluate(plain, cameras, threshold=13).repairs > 0
 
 
 @pytest.mark.parametrize(

@@ -189,6 +189,30 @@ def test_levels_of_two_overlapping_views():
     assert found.by_level[1].position[:, 0].tolist() == found.position[:, 0].tolist()
 
 
+@pytest.mark.parametrize("sunk", [0.0, 0.5])
+@pytest.mark.parametrize("n_cameras", [1, 4])
+def test_a_post_on_a_floor(sunk, n_cameras):
+    """Where it stands its corners touch the floor's faces, or its edges pierce them; three cameras are in line with it.
+
+    Points where faces touch took the place of all borders of their faces, and borders that two cameras cast on one line
+    were not the same for both pieces there.
+    """
+    post = trimesh.creation.box((4, 4, 20), transform=trimesh.transformations.rotation_matrix(np.pi / 4, (0, 0, 1)))
+    mesh = together(rectangle((-60, 60), (-60, 60)), post.apply_translation((0, 0, 10 - sunk)))
+    cameras = [above(33.0, 0.0, 100.0), above(61.0, 0.0, 100.0), above(47.0, 0.0, 100.0), above(-20.0, 31.0, 100.0)]
+    cameras, asked = tuple(cameras[:n_cameras]), {"threshold": (n_cameras + 1) // 2}
+    found = exact.gradient(mesh, cameras, **asked)
+    assert found.in_plane.sum() == 0
+    for camera in range(n_cameras):
+        for k in range(3):
+            expected, change = difference(
+                mesh, cameras, camera, lambda by, camera=camera, k=k: shifted(cameras[camera], "position", k, by), 1e-3,
+                asked,
+            )  # fmt: skip
+            if change[0] < 1e-3:
+                assert found.position[camera, k] == pytest.approx(expected[0], rel=1e-6, abs=1e-6)
+
+
 def test_the_shadow_of_a_square():
     """A square of side a at height z hides (a H / (H - z))² of the floor from height H, and shows its own top."""
     height, level, side = 100.0, 20.0, 6.0
