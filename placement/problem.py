@@ -45,7 +45,7 @@ class Problem:
     ring : exact.Ring
         Where cameras may be.
     settings : Settings, optional
-        How layouts are searched for.
+        How layouts are searched for; with fewer exact areas where meshes are large (`Settings.for_faces`).
     seed : int
         Of samples and starts.
     site_weights : (S,) sequence of float, optional
@@ -101,7 +101,7 @@ class Problem:
         of_scenes = {name: asked.get(name) for name in scene_keywords()}
         self.sites: Sites = checked_sites(mesh, site_weights=site_weights, objective=objective, **of_scenes)
         self.ring, self.seed = ring, seed
-        self.settings = Settings() if settings is None else settings
+        self.settings = (Settings() if settings is None else settings).for_faces(self.sites.n_faces)
         self.workers = available_cores() if workers is None else workers
         self.ring_maximum = RingMaximum(
             self.sites, ring, self.demand, n_cameras=self.settings.ring_cameras, workers=self.workers, memory=memory

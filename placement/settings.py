@@ -1,11 +1,14 @@
 """How a layout is searched for: every number of the method, in one place."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Literal
 
 import numpy as np
 
 from placement.errors import PlacementError
+
+# Leading candidates that are scored exactly on large meshes.
+FEW = 2
 
 
 @dataclass(frozen=True)
@@ -56,6 +59,9 @@ class Settings:
         angles are; auto is the surface where that takes less than half a minute or so.
     ring_cameras : int
         Equidistant cameras whose exact area is the ring maximum.
+    most_faces : int
+        Beyond so many faces, of all sites together, `FEW` of the leading candidates and one phase are scored exactly,
+        and none is moved to a local optimum: each exact area takes many seconds there.
 
     Examples
     --------
@@ -86,6 +92,7 @@ class Settings:
     certificate_seconds: float = 60.0
     certify_on: Literal["auto", "surface", "samples"] = "auto"
     ring_cameras: int = 360
+    most_faces: int = 200_000
 
     def __post_init__(self):
         least = {
@@ -114,3 +121,15 @@ class Settings:
             )
         if not (all(0 < step < np.inf for step in self.polish_steps) and 0 <= self.distinct_tolerance < np.inf):
             raise PlacementError("settings: polish_steps must be positive and distinct_tolerance not negative [rad]")
+
+    def for_faces(self, n_faces: int) -> "Settings":
+        """The same, or with fewer exact areas if there are more than `most_faces`.
+
+        Examples
+        --------
+        >>> Settings().for_faces(100_000) == Settings(), Settings().for_faces(1_000_000).polish_steps
+        (True, ())
+        """
+        if n_faces <= self.most_faces:
+            return self
+        return replace(self, exact_candidates=min(FEW, self.exact_candidates), exact_phases=1, polish_steps=())

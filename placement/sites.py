@@ -54,6 +54,11 @@ class Sites:
         """(S,) part of each site in the mean."""
         return np.array([site.share for site in self.members])
 
+    @property
+    def n_faces(self) -> int:
+        """Faces of all of them."""
+        return sum(len(site.scene.surface.faces) for site in self.members)
+
     def combined(self, fractions) -> float:
         """One figure for the (S,) fractions of the sites."""
         values = np.asarray(fractions, dtype=np.float64)

@@ -10,9 +10,10 @@ import trimesh
 
 import exact
 import meshes
+import placement
 from experiments.files.errors import InputError
 from experiments.request import placing
-from experiments.request.outlook import MANY_FACES, forecast, places, unit_words, warnings_about
+from experiments.request.outlook import forecast, places, unit_words, warnings_about
 from experiments.terminal.console import note
 from experiments.terminal.progress import working
 from meshes.condition import overlapping
@@ -126,10 +127,10 @@ def subject(
             note(f"{kind}: {name}: {'; '.join(words)}")
     for words in about.warnings:
         note(f"warning: {words}")
-    if len(mesh.faces) >= MANY_FACES:
+    if len(mesh.faces) > placement.Settings().most_faces:
         note(
-            f"note: {name}: {len(mesh.faces)} faces; one layout of eight cameras takes {forecast(len(mesh.faces))}; "
-            "a search scores hundreds of layouts"
+            f"note: {name}: {len(mesh.faces)} faces; one layout of eight cameras takes {forecast(len(mesh.faces))}; a "
+            "search scores few layouts exactly and polishes none (most_faces among the settings of a rig file)"
         )
     return about
 

@@ -19,9 +19,8 @@ BACK, PART_AWAY = 0.05, 0.002
 # Of a mesh less than this part in view is likely a mesh in another unit or place.
 IN_VIEW = 0.01
 # What eight cameras take of a face, from a plain surface to deep folds [s of one core], and of memory [bytes]
-# (`camring bench meshes`). With so many faces it is worth to be told.
+# (`camring bench meshes`).
 LEAST_SECONDS, MOST_SECONDS, BYTES = 2e-5, 2e-4, 1500
-MANY_FACES = 200_000
 
 
 @dataclass(frozen=True)

@@ -134,6 +134,7 @@ def optimise_rings(
     workers, memory = available_cores() if workers is None else workers, {} if memory is None else memory
     about = {name: asked.get(name) for name in scene_keywords()}
     sites = checked_sites(mesh, site_weights=site_weights, objective=objective, **about)
+    settings = settings.for_faces(sites.n_faces)
     maximum = RingMaximum(
         sites, rings[0] if len(rings) == 1 else rings, whole, n_cameras=settings.ring_cameras, workers=workers,
         memory=memory,

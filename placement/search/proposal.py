@@ -89,7 +89,7 @@ def propose(
     clock.lap("search")
     if give_up > 0:
         report("searching accurate layouts", 0, 1)
-        accurate = accurate_layouts(problem, space, pool, give_up)
+        accurate = accurate_layouts(problem, space, pool, give_up)[: settings.exact_candidates]
         layouts += [("accuracy", layout) for layout in accurate]
         clock.lap("accuracy")
 

@@ -95,6 +95,21 @@ def test_everything_needed_to_repeat_is_kept(bars, placed):
     assert dataclasses.replace(placed, seed=2) != placed
 
 
+def test_of_a_large_mesh_few_layouts_are_scored_and_none_is_polished(bars):
+    usual = dataclasses.replace(QUICK, polish_steps=(0.02,), exact_candidates=4)
+    asked = dict(n_cameras=4, seed=1, certify=False)
+    small, large = (
+        placement.optimise(bars, RING, settings=dataclasses.replace(usual, most_faces=n), **asked)
+        for n in (len(bars.faces), len(bars.faces) - 1)
+    )
+    assert large.search.n_moves == 0 < small.search.n_moves
+    assert large.search.n_exact < small.search.n_exact
+    assert not any(one.origin == "polish" for one in large.candidates)
+    assert large.best_equidistant_fraction <= large.most_area.fraction <= small.most_area.fraction
+    assert large.ring_area == small.ring_area
+    assert placement.optimise(bars, RING, settings=large.settings, **asked) == large
+
+
 def test_another_seed_gives_other_samples_and_still_a_good_layout(bars, placed):
     other = placement.optimise(bars, RING, n_cameras=4, settings=QUICK, seed=2)
     assert other.angles != placed.angles
