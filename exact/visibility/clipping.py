@@ -276,12 +276,13 @@ def _segments_over(face: np.ndarray, piece: np.ndarray, cuts: Cuts):
 
 
 def _more_than_touches(piece: np.ndarray, owner: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
-    """(L,) whether a segment may do more to its piece than touch a corner of the face: many lead away from there.
+    """(L,) whether a segment does more to its piece than touch a corner of the face in which it ends: many do not.
 
     One that runs along the outline, or touches it elsewhere, may be what a segment that ends there hangs together with.
     """
     point, of_piece = shapely.get_coordinates(piece, return_index=True)
     at_corner = (np.abs(point[:, None] - CORNERS).max(axis=2) <= GRID_SIZE).any(axis=1)
+    from_corner = (np.stack([start, end], axis=1)[:, :, None] == CORNERS).all(axis=3).any(axis=(1, 2))
     count = np.bincount(of_piece, minlength=len(piece))
     number = count[owner]
     at = np.repeat((np.cumsum(count) - count)[owner], number) + counting(number)
@@ -290,7 +291,7 @@ def _more_than_touches(piece: np.ndarray, owner: np.ndarray, start: np.ndarray, 
     away = point[at] - np.repeat(start, number, axis=0)
     side = along[:, 0] * away[:, 1] - along[:, 1] * away[:, 0]
     begins = np.cumsum(number) - number
-    on_it = (np.abs(side) <= GRID_SIZE) & ~at_corner[at]
+    on_it = (np.abs(side) <= GRID_SIZE) & ~(at_corner[at] & np.repeat(from_corner, number))
     if not len(begins):
         return np.zeros(0, dtype=bool)
     parts = (np.minimum.reduceat(side, begins) < -GRID_SIZE) & (np.maximum.reduceat(side, begins) > GRID_SIZE)
@@ -318,10 +319,12 @@ def _without_necks(cell: np.ndarray, origin: np.ndarray):
     suspects = suspects[shapely.minimum_clearance(cell[suspects]) < NECK]
     if not len(suspects):
         return cell, origin
-    triangle, which = shapely.get_parts(shapely.constrained_delaunay_triangles(cell[suspects]), return_index=True)
+    # On the grid, hairs of no width, which no triangulation gets through, are gone.
+    tidy, owner = shapely.get_parts(shapely.set_precision(cell[suspects], GRID_SIZE), return_index=True)
+    triangle, which = shapely.get_parts(shapely.constrained_delaunay_triangles(tidy), return_index=True)
     kept = np.ones(len(cell), dtype=bool)
     kept[suspects] = False
-    return np.concatenate([cell[kept], triangle]), np.concatenate([origin[kept], origin[suspects[which]]])
+    return np.concatenate([cell[kept], triangle]), np.concatenate([origin[kept], origin[suspects[owner[which]]]])
 
 
 def _unfilled(piece: np.ndarray, origin: np.ndarray, cell: np.ndarray, chosen: np.ndarray) -> np.ndarray:

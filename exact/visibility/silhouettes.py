@@ -265,7 +265,7 @@ def _seen_parts(screen: Screen, found: np.ndarray, start: _Ends, end: _Ends, ent
     low = np.flatnonzero(owner[1:] == owner[:-1])
     owner, low, high = owner[low], at[low], at[low + 1]
     ways = (_between(enter.take(owner), leave.take(owner), side) for side in (low, high))
-    seen = ~_hidden_by_others(screen, start.take(owner), end.take(owner), *ways)[0]
+    seen = ~_hidden_by_others(screen, start.take(owner), end.take(owner), *ways)[0] | (high - low < 4 * BEYOND)
     # What follows upon each other is one part.
     goes_on = (owner[1:] == owner[:-1]) & seen[1:] & seen[:-1]
     first, last = np.flatnonzero(seen & ~np.append(False, goes_on)), np.flatnonzero(seen & ~np.append(goes_on, False))
