@@ -236,7 +236,7 @@ def polish(slopes: Sloping, space: Room, angles, max_sweeps: int, thorough: bool
             return None
         turns -= 1
         looked_at = np.concatenate([places, slopes.jumps(angles, camera, thorough)])
-        at, gain, tried = _best_place(along, angles, camera, space, looked_at, settled)
+        at, gain, tried = _best_place(along, angles, camera, space, looked_at, settled, thorough)
         n_tried += tried
         if gain > settled:
             waiting += [other for other in free if other not in waiting]
@@ -263,9 +263,12 @@ def polish_several(
 
 
 def _best_place(
-    along: Along, theta: np.ndarray, camera: int, space: Room, places: np.ndarray, settled: float
+    along: Along, theta: np.ndarray, camera: int, space: Room, places: np.ndarray, settled: float, thorough: bool
 ) -> tuple[float, float, int]:
-    """The best angle of a camera near its own, what is gained by it, and how many were tried."""
+    """The best angle of a camera near its own, what is gained by it, and how many were tried.
+
+    If `thorough`, none within the window about the best is better either.
+    """
     here = theta[camera]
     low, high = (_reach(theta, camera, space, sign) for sign in (-1.0, 1.0))
     offsets = np.unique(np.clip(places, max(low, -WINDOW), min(high, WINDOW)))
@@ -277,13 +280,18 @@ def _best_place(
         while found[at] == max(found.values()) and sign * found[at][1] > 0 and at != end:
             at = float(sign * min(2 * abs(at), abs(end)))
             found[at] = along(here + at)
-    for _ in range(MOST_PLACES):
-        at, promise = _most_promising(found)
-        if promise <= max(value for value, _ in found.values()) + settled / 2:
-            break
-        found[at] = along(here + at)
-    best = max(found, key=lambda offset: (found[offset][0], -abs(offset)))
-    return here + best, found[best][0] - start, len(found)
+    while True:
+        for _ in range(MOST_PLACES):
+            at, promise = _most_promising(found)
+            if promise <= max(value for value, _ in found.values()) + settled / 2:
+                break
+            found[at] = along(here + at)
+        best = max(found, key=lambda offset: (found[offset][0], -abs(offset)))
+        ends = {float(np.clip(best + by, low, high)) for by in (-WINDOW, WINDOW)} if thorough else set()
+        beyond = [end for end in ends if not min(found) <= end <= max(found)]
+        if not beyond:
+            return here + best, found[best][0] - start, len(found)
+        found |= {end: along(here + end) for end in beyond}
 
 
 def _most_promising(found: dict[float, tuple[float, float]]) -> tuple[float, float]:
