@@ -61,6 +61,32 @@ def test_it_keeps_what_a_layout_must(walls):
     assert np.abs(slope).max() > 1.0
 
 
+class Landscape:
+    """A fraction over the angle of a single camera: a low hill at 0.3°, and from a cliff at 1.2° on it falls slowly."""
+
+    def of_all(self, angles):
+        fraction, slope = self.at(float(angles[0]))
+        return fraction, np.array([slope])
+
+    def at(self, angle):
+        at = np.degrees(angle)
+        if at < 1.2:
+            return 0.5 + 5e-7 * (1 - (at / 0.3 - 1) ** 2), np.degrees(-1e-6 * (at / 0.3 - 1) / 0.3)
+        return 0.5 + 2e-5 - 1e-5 * (at - 1.2), np.degrees(-1e-5)
+
+    def jumps(self, angles, camera, faces):
+        return np.zeros(0)
+
+    def in_turn(self, angles, cameras, move):
+        angle = move(angles, 0, self.at)
+        return angles if angle is None else np.array([angle])
+
+
+def test_what_comes_within_a_degree_by_a_move_is_looked_at_too():
+    end, _ = polish(Landscape(), LayoutSpace(RING, 1, Constraints()), [0.0], 8, thorough=True)
+    assert Landscape().of_all(end)[0] > 0.5 + 1.8e-5
+
+
 def test_several_sites_with_a_baseline_and_the_worst_of_them(walls):
     meshes = [walls, walls.copy().apply_transform(trimesh.transformations.rotation_matrix(0.5, (0, 0, 1)))]
     space, start = LayoutSpace(RING, 2, Constraints()), np.array([0.1, 1.5])
