@@ -235,7 +235,8 @@ def _seen_parts(screen: Screen, found: np.ndarray, start: _Ends, end: _Ends, ent
 
     Others do not: there the triangle is hidden on both sides, by another sheet of faces than that of the silhouette
     from `start` to `end` itself. Whatever hides the middle of a part hides all of it, unless a sheet ends or folds back
-    on the way, in front of the triangle, or a face cuts through the triangle. So a cut is parted where one does.
+    on the way, in front of the triangle, or a face cuts through the triangle. So a cut whose middle is hidden is parted
+    where one does; others are left whole.
 
     Returns
     -------
@@ -248,7 +249,7 @@ def _seen_parts(screen: Screen, found: np.ndarray, start: _Ends, end: _Ends, ent
     cut_through[surface.intersections.face] = True
     asked = np.flatnonzero(~cut_through[screen.parent[found]])
     hidden, covered = _hidden_by_others(screen, *(ends.take(asked) for ends in (start, end, enter, leave)))
-    cut, at = _crossed(screen, asked[~(hidden & covered)], start, end, enter, leave)
+    cut, at = _crossed(screen, asked[hidden & ~covered], start, end, enter, leave)
     # Where it is not clear where a sheet ends, nothing is left out.
     unclear, parted = np.zeros((2, len(found)), dtype=bool)
     unclear[cut[np.isnan(at)]] = True
