@@ -9,6 +9,7 @@ import shapely
 
 from exact.errors import ExactError
 from exact.visibility.grid import counting
+from exact.visibility.projection import UNIT_FRAME
 from exact.visibility.silhouettes import Cuts
 
 # The cells of a piece must fill it as if its outline were off by at most this (in parts of the face), or the cutting is
@@ -24,13 +25,11 @@ MOST_CORNERS, MOST_HALVINGS = 12, 6
 POLYGON = 3
 # Gaps narrower than this part of the face are rounding, not shape.
 NECK = 1e-9
-# Of a face, in its own coordinates.
-CORNERS = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
 
 
 def whole_faces(n: int) -> np.ndarray:
     """(n,) polygons of `n` uncut faces."""
-    return np.full(n, shapely.Polygon(CORNERS), dtype=object)
+    return np.full(n, shapely.Polygon(UNIT_FRAME), dtype=object)
 
 
 def cut_pieces(face: np.ndarray, piece: np.ndarray, cuts: Cuts, on_grid: np.ndarray):
@@ -281,8 +280,8 @@ def _more_than_touches(piece: np.ndarray, owner: np.ndarray, start: np.ndarray, 
     One that runs along the outline, or touches it elsewhere, may be what a segment that ends there hangs together with.
     """
     point, of_piece = shapely.get_coordinates(piece, return_index=True)
-    at_corner = (np.abs(point[:, None] - CORNERS).max(axis=2) <= GRID_SIZE).any(axis=1)
-    from_corner = (np.stack([start, end], axis=1)[:, :, None] == CORNERS).all(axis=3).any(axis=(1, 2))
+    at_corner = (np.abs(point[:, None] - UNIT_FRAME).max(axis=2) <= GRID_SIZE).any(axis=1)
+    from_corner = (np.stack([start, end], axis=1)[:, :, None] == UNIT_FRAME).all(axis=3).any(axis=(1, 2))
     count = np.bincount(of_piece, minlength=len(piece))
     number = count[owner]
     at = np.repeat((np.cumsum(count) - count)[owner], number) + counting(number)
