@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 
 from exact.errors import ExactError
-from exact.visibility.grid import counting
+from exact.visibility.grid import counting, greatest, least
 from exact.visibility.projection import UNIT_FRAME
 from exact.visibility.silhouettes import Cuts
 
@@ -265,6 +265,8 @@ def _segments_over(face: np.ndarray, piece: np.ndarray, cuts: Cuts):
     low, high = np.minimum(start, end), np.maximum(start, end)
     box = shapely.bounds(piece)[owner]
     near = (low <= box[:, 2:] + GRID_SIZE).all(axis=1) & (high >= box[:, :2] - GRID_SIZE).all(axis=1)
+    owner, start, end, box = owner[near], start[near], end[near], box[near]
+    near = ~_beside(box, start, end)
     owner, start, end = owner[near], start[near], end[near]
     near = _more_than_touches(piece, owner, start, end)
     owner = owner[near]
@@ -272,6 +274,15 @@ def _segments_over(face: np.ndarray, piece: np.ndarray, cuts: Cuts):
     # Within the grid size is as good as touching, since the cutting may move lines by that much.
     meets = shapely.dwithin(line, piece[owner], GRID_SIZE)
     return owner[meets], line[meets]
+
+
+def _beside(box: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
+    """(L,) whether a box (left, low, right, high) lies clearly on one side of the line through a segment."""
+    along_x, along_y = (end - start).T
+    across = along_x[:, None] * (box[:, 1::2] - start[:, 1:])
+    up = -along_y[:, None] * (box[:, ::2] - start[:, :1])
+    slack = 2 * GRID_SIZE * np.hypot(along_x, along_y)
+    return (least(across) + least(up) > slack) | (greatest(across) + greatest(up) < -slack)
 
 
 def _more_than_touches(piece: np.ndarray, owner: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:

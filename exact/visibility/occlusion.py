@@ -10,17 +10,21 @@ itself, which is right for long, slanted and intersecting faces too. The paper's
 (`depth_order="vertex"`): then any edge of a face can be where visibility changes.
 """
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from exact.visibility.grid import counting
+from exact.cameras import Camera
+from exact.visibility.grid import Grid, counting, greatest, least
 from exact.visibility.limits import Usable
-from exact.visibility.projection import Image
-from exact.visibility.screen import Screen
+from exact.visibility.projection import Image, project
+from exact.visibility.screen import SMALLEST_IMAGE, Screen, seen_from_outside
+from exact.visibility.sight_depth import Depths, cell_centres_in, sight_depth
 from exact.visibility.silhouettes import Cuts, crossings
+from exact.visibility.surface import Surface
 
 HIDDEN, WHOLE, CUT = 0, 1, 2
 
@@ -90,6 +94,71 @@ def look(image: Image, active: np.ndarray, depth_order: str = "exact", usable: U
     on_grid[own.face] = True
     on_grid[image.parent[image.is_part]] = True
     return Sight(screen, status, cuts, on_grid, n_repairs, usable)
+
+
+def out_of_sight(
+    surface: Surface, cameras: Sequence[Camera], rotation: np.ndarray, active: np.ndarray
+) -> np.ndarray:
+    """(F,) which of the `active` faces surely none of several cameras near each other sees; there may be more.
+
+    They turn their backs to all of them, or lie so deep in shadow that the way between the cameras does not matter.
+    All cameras are in one plane, along which a camera of this `rotation` looks at right angles. If each image is moved
+    so that one point stays in place, points and their images move in proportion on a straight way from one camera to
+    another, depths stay, and so does the side of a face that both see. So a sheet that covers the middle of a cell for
+    one camera covers the cell for all, if it neither ends nor folds back where any of them could see that in the cell:
+    that is where boxes around all images of its edges are, in place of the edges' own images.
+    """
+    position = np.array([camera.position for camera in cameras])
+    middle = int(np.argmin(np.linalg.norm(position - position.mean(axis=0), axis=1)))
+    fixed = surface.vertices[surface.faces[active]].mean(axis=(0, 1))
+    ever, always = np.zeros(len(surface.faces), dtype=bool), np.ones(len(surface.faces), dtype=bool)
+    low, high = np.full((3, len(surface.vertices)), np.inf), np.full((3, len(surface.vertices)), -np.inf)
+    outside, of_middle = True, np.zeros((2, 0))
+    for i, camera in enumerate(cameras):
+        image = project(surface, replace(camera, rotation=rotation))
+        across, down, away = rotation @ (fixed - camera.position)
+        if len(image.x) > len(surface.vertices) or not np.isfinite(image.x).all() or away <= 0:  # not all is ahead
+            return np.zeros_like(active)
+        outside &= seen_from_outside(image)
+        ever |= image.front
+        always &= image.front
+        here = np.stack([image.x - across / away, image.y - down / away, image.inverse_depth])
+        low, high = np.minimum(low, here), np.maximum(high, here)
+        if i == middle:
+            of_middle = here[:2]
+    triangle = np.flatnonzero((surface.areas > 0) & (ever | (not outside)))
+    corner = surface.faces[triangle]
+    left, bottom, farthest = (least(values[corner]) for values in low)
+    right, top, nearest = (greatest(values[corner]) for values in high)
+    box = np.stack([left, bottom, right, top])
+    x, y = of_middle[:, corner]
+    twice_area = np.abs((x[:, 1] - x[:, 0]) * (y[:, 2] - y[:, 0]) - (y[:, 1] - y[:, 0]) * (x[:, 2] - x[:, 0]))
+    asked = (active & ever)[triangle]
+    grid = Grid.over(box[:, asked], np.full(2, np.inf), box, twice_area / 2)
+    marks = grid.marked(grid.boxes(box[:, asked]))
+    owner, cell = grid.touched(box[[0, 2, 2, 0]].T, box[[1, 1, 3, 3]].T, marks)
+    shape = twice_area / np.maximum(np.maximum(right - left, top - bottom), SMALLEST_IMAGE) ** 2
+    # An edge between faces of which one turns over on the way is somewhere where a sheet folds back.
+    side = np.where(always, 1, np.where(ever, 2, 0))[surface.edge_faces]
+    folds = (side[:, 0] != side[:, 1]) | (side == 2).any(axis=1)
+    loose = ever[surface.loose_edge_faces] | (not outside)
+    ends = np.concatenate([surface.edges[folds], surface.loose_edges[loose]])
+    end_low, end_high = low[:, ends].min(axis=2), high[:, ends].max(axis=2)
+    end, end_cell = grid.touched(
+        np.stack([end_low[0], end_high[0], end_high[0], end_low[0]], axis=1),
+        np.stack([end_low[1], end_low[1], end_high[1], end_high[1]], axis=1), marks,
+    )  # fmt: skip
+    depths = Depths.between(farthest, nearest)
+    steps = depths.near(nearest)
+    limit = sight_depth(
+        grid.n_cells,
+        (cell, steps[owner], depths.far(farthest)[owner]),
+        cell_centres_in(grid, owner, cell, x, y, shape),
+        (end_cell, depths.near(end_high[2])[end], depths.far(end_low[2])[end]),
+    )
+    may_be_seen = np.zeros_like(active)
+    may_be_seen[triangle[owner[steps[owner] >= limit[cell]]]] = True
+    return active & ~(ever & may_be_seen)
 
 
 def _patches_seen(screen: Screen, uncut: np.ndarray):

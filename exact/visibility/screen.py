@@ -16,6 +16,7 @@ SMALLEST_IMAGE = 1e-150
 ON_EDGE = 1e-12
 # Pairs of a point and a triangle near it that are looked at in one go: few enough for caches, many enough for numpy.
 PAIRS = 250_000
+SIEVE = 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,6 +90,10 @@ class Screen:
         cells = grid.boxes(box[:, near])
         # Late in a long row of cameras few faces are active, and most of what could hide has nothing left to hide.
         marks = grid.marked(cells[:, asked[near]])
+        if SIEVE * asked.sum() < len(asked):
+            _, cell = grid.touched(x[asked], y[asked], marks)
+            marks = np.zeros_like(marks)
+            marks.reshape(-1)[cell] = True
         near = near[grid.meets(marks, cells)]
         candidate, corner, x, y, box, twice_area = (
             candidate[near], corner[near], x[near], y[near], box[:, near], twice_area[near],
@@ -110,14 +115,11 @@ class Screen:
             rim_depth = image.inverse_depth[ends]
             rim_steps = depths.near(greatest(rim_depth))
             steps = depths.near(nearest)
-            covers = cell_centres_in(grid, owner, cell, x, y, shape)
             limit = sight_depth(
                 grid.n_cells,
-                np.concatenate([cell, rim_cell]),
-                np.concatenate([steps[owner], rim_steps[rim]]),
-                np.concatenate([depths.far(farthest)[owner], depths.far(least(rim_depth))[rim]]),
-                np.concatenate([covers, np.zeros(len(rim), dtype=bool)]),
-                len(owner),
+                (cell, steps[owner], depths.far(farthest)[owner]),
+                cell_centres_in(grid, owner, cell, x, y, shape),
+                (rim_cell, rim_steps[rim], depths.far(least(rim_depth))[rim]),
             )
             seen = steps[owner] >= limit[cell]
             owner, cell = owner[seen], cell[seen]

@@ -51,20 +51,21 @@ class Depths:
 
 
 def sight_depth(
-    n_cells: int, cell: np.ndarray, near: np.ndarray, far: np.ndarray, covers: np.ndarray, n_triangles: int
+    n_cells: int,
+    sheets: tuple[np.ndarray, np.ndarray, np.ndarray],
+    covers: np.ndarray,
+    ends: tuple[np.ndarray, np.ndarray, np.ndarray],
 ) -> np.ndarray:
     """Depth in each cell beyond which nothing is seen.
 
     Parameters
     ----------
-    cell : (P,) int
-        Cells that triangles touch, then cells that rims touch, where a sheet ends or folds back.
-    near, far : (P,) int
-        Least and greatest depth of each, as `Depths`.
+    sheets : three (P,) int
+        Cells that triangles touch, and least and greatest depth of the triangle there, as `Depths`.
     covers : (P,) bool
-        Whether it is a triangle that covers the middle of its cell.
-    n_triangles : int
-        How many of the P are of triangles.
+        Whether the triangle covers the middle of the cell.
+    ends : three (Q,) int
+        The same of edges where a sheet ends or folds back.
 
     Returns
     -------
@@ -73,25 +74,29 @@ def sight_depth(
 
     Examples
     --------
-    >>> cell, near, far = np.array([0, 0, 0]), np.array([9, 5, 7]), np.array([8, 4, 6])
-    >>> sight_depth(1, cell, near, far, np.array([True, True, False]), n_triangles=2)  # the nearest one covers it
+    >>> covers, nowhere = np.array([True, True]), np.zeros((3, 0), dtype=int)
+    >>> sheets = np.array([0, 0]), np.array([9, 5]), np.array([8, 4])
+    >>> sight_depth(1, sheets, covers, tuple(nowhere))  # the nearest one covers it
     array([8])
-    >>> sight_depth(1, cell, near, far, np.array([False, True, False]), n_triangles=2)
+    >>> end = np.array([0]), np.array([9]), np.array([8])
+    >>> sight_depth(1, sheets, covers, end)  # but ends in it
     array([4])
     """
     limit = np.zeros(n_cells, dtype=np.int64)
+    cell, near, far = (np.concatenate(values) for values in zip(sheets, ends, strict=True))
     if not len(cell):
         return limit
-    ends = np.arange(len(cell)) >= n_triangles
+    is_end = np.arange(len(cell)) >= len(covers)
+    covers = np.append(covers, np.zeros(len(cell) - len(covers), dtype=bool))
     room = STEPS + 4
     order = np.argsort(cell * room + (STEPS + 3 - near))
-    cell, near, far, covers, ends = cell[order], near[order], far[order], covers[order], ends[order]
+    cell, near, far, covers, is_end = cell[order], near[order], far[order], covers[order], is_end[order]
     # The farthest so far in each cell: the numbers of a later cell are all less than those of one before.
     farthest = np.minimum.accumulate(far - cell * room) + cell * room
     begins = np.ones(len(cell), dtype=bool)
     begins[1:] = (cell[1:] != cell[:-1]) | (near[1:] < farthest[:-1])
     start = np.flatnonzero(begins)
-    whole = np.logical_or.reduceat(covers, start) & ~np.logical_or.reduceat(ends, start)
+    whole = np.logical_or.reduceat(covers, start) & ~np.logical_or.reduceat(is_end, start)
     last = np.append(start[1:], len(cell)) - 1
     # The nearest such layer of each cell, which comes first.
     layer = np.flatnonzero(whole)[::-1]

@@ -23,6 +23,8 @@ SIDES, FIXED, NEAREST, FARTHEST, STEEPEST = np.array([-1, -2, -3, -4]), -5, -6, 
 APART = 1e-9
 # Segments from a common end at a smaller angle than this [rad] may run along each other.
 TURNED = 1e-6
+# What lies inside a triangle by more than this (in its barycentric coordinates) is clearly inside it.
+CLEARLY = 1e-6
 # Where they cross at a smaller angle than this [rad] is not clear enough to part one there; parts reach so much beyond
 # where they begin and end, in parts of the way of the whole.
 SLANTED, BEYOND = 1e-4, 1e-6
@@ -266,7 +268,9 @@ def _seen_parts(screen: Screen, found: np.ndarray, start: _Ends, end: _Ends, ent
     low = np.flatnonzero(owner[1:] == owner[:-1])
     owner, low, high = owner[low], at[low], at[low + 1]
     ways = (_between(enter.take(owner), leave.take(owner), side) for side in (low, high))
-    seen = ~_hidden_by_others(screen, start.take(owner), end.take(owner), *ways)[0] | (high - low < 4 * BEYOND)
+    # Of a part of nearly no length rounding may have put the middle to this side or that of where a sheet ends.
+    inside = np.where(high - low < 4 * BEYOND, CLEARLY, 0.0)
+    seen = ~_hidden_by_others(screen, start.take(owner), end.take(owner), *ways, inside)[0]
     # What follows upon each other is one part.
     goes_on = (owner[1:] == owner[:-1]) & seen[1:] & seen[:-1]
     first, last = np.flatnonzero(seen & ~np.append(False, goes_on)), np.flatnonzero(seen & ~np.append(goes_on, False))
@@ -315,20 +319,25 @@ def _crossed(screen: Screen, asked: np.ndarray, start: _Ends, end: _Ends, enter:
     return np.concatenate(cuts), np.concatenate(places)
 
 
-def _hidden_by_others(screen: Screen, start: _Ends, end: _Ends, enter: _Ends, leave: _Ends):
+def _hidden_by_others(
+    screen: Screen, start: _Ends, end: _Ends, enter: _Ends, leave: _Ends, inside: np.ndarray | float = 0.0
+):
     """Whether a triangle surely hides the middle of each cut, and whether one hides each half of it: (N,), (N,).
 
-    Triangles about the ends of the silhouette itself are left out of account.
+    The middle must lie so far `inside` it, (N,), in barycentric coordinates. The triangles on either side of the
+    silhouette itself are left out of account; in one about an end of it, the middle must lie clearly inside.
     """
     x, y = (enter.x + leave.x) / 2, (enter.y + leave.y) / 2
     inverse_depth = (enter.inverse_depth + leave.inverse_depth) / 2
     hidden, first_half, second_half = np.zeros((3, len(x)), dtype=bool)
+    inside = np.broadcast_to(inside, x.shape)
     cell = screen.grid.cell(x, y)
     count = screen.first[cell + 1] - screen.first[cell]
 
-    def hides(found, x, y, inverse_depth) -> np.ndarray:
+    def hides(found, x, y, inverse_depth, inside) -> np.ndarray:
         weight = barycentric(screen.x[found], screen.y[found], x, y)
-        return (least(weight) >= 0) & ((weight * screen.inverse_depth[found]).sum(axis=1) > nearer * inverse_depth)
+        in_front = (weight * screen.inverse_depth[found]).sum(axis=1) > nearer * inverse_depth
+        return (least(weight) >= inside) & in_front
 
     nearer = 1 + SAME_DEPTH
     for low, high in blocks(count, PAIRS):
@@ -336,14 +345,14 @@ def _hidden_by_others(screen: Screen, start: _Ends, end: _Ends, enter: _Ends, le
         found = screen.near[np.repeat(screen.first[cell[low:high]], count[low:high]) + counting(count[low:high])]
         near_enough = (screen.nearest[found] > inverse_depth[cut]) & (screen.shape[found] > THICK)
         cut, found = cut[near_enough], found[near_enough]
-        here = hides(found, x[cut], y[cut], inverse_depth[cut])
-        cut, found = cut[here], found[here]
         corner = screen.image.corners[screen.triangle[found]]
-        others = ~((corner == start.point[cut, None]) | (corner == end.point[cut, None])).any(axis=1)
-        cut, found = cut[others], found[others]
+        common = ((corner == start.point[cut, None]) | (corner == end.point[cut, None])).sum(axis=1)
+        far = np.where(common == 0, inside[cut], CLEARLY)
+        here = hides(found, x[cut], y[cut], inverse_depth[cut], far) & (common < 2)
+        cut, found = cut[here], found[here]
         hidden[cut] = True
         for ends, half in ((enter, first_half), (leave, second_half)):
-            half[cut[hides(found, ends.x[cut], ends.y[cut], ends.inverse_depth[cut])]] = True
+            half[cut[hides(found, ends.x[cut], ends.y[cut], ends.inverse_depth[cut], 0.0)]] = True
     return hidden, first_half & second_half
 
 
