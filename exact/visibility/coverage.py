@@ -18,7 +18,7 @@ from exact.cameras import Camera
 from exact.demand import Criterion
 from exact.visibility.clipping import cut_pieces, halved_pieces, unite, whole_faces
 from exact.visibility.limits import Usable
-from exact.visibility.occlusion import CUT, HIDDEN, WHOLE, Sight, look, out_of_sight
+from exact.visibility.occlusion import CUT, HIDDEN, WHOLE, Sight, look, within_sight
 from exact.visibility.projection import project
 from exact.visibility.silhouettes import Cuts
 from exact.visibility.surface import Surface
@@ -27,10 +27,8 @@ from exact.workers import processes, shares
 # Cameras per block. Within a block no face is cut before all its cameras have been looked through, since most faces
 # are seen whole often enough and never need to be.
 BLOCK = 8
-# So many groups of neighbouring cameras are first looked at together, if there are more than so few in each.
-ARCS, FEW = 16, 3
-# Cameras are at one height if they are by this part of the target distance.
-SAME_HEIGHT = 1e-9
+# If as many cameras are still to come, those near each other are first looked at together.
+MANY = 48
 
 
 @dataclass(frozen=True, eq=False)
@@ -212,42 +210,9 @@ def _tally(
             report(len(block))
         if not count.active.any():
             break
-        if coming.sum() >= FEW * ARCS and count.within_sight is None and depth_order == "exact":
-            count = replace(count, within_sight=_within_sight(surface, cameras, order, coming, count.active))
+        if coming.sum() >= MANY and count.within_sight is None and depth_order == "exact":
+            count = replace(count, within_sight=within_sight(surface, cameras, order, coming, count.active))
     return count.tally()
-
-
-def _within_sight(
-    surface: Surface, cameras: Sequence[Camera], order: np.ndarray, coming: np.ndarray, active: np.ndarray
-) -> np.ndarray:
-    """(F, M) which of the cameras still `coming` may see some of each of the `active` faces.
-
-    Those about each of the first ones in `order`, which are spread, are looked at together.
-    """
-    position = np.array([camera.position for camera in cameras])
-    rotation = _across(cameras)
-    height = (position - position[0]) @ rotation[2]
-    level = np.unique(np.round(height / (SAME_HEIGHT * cameras[0].target_distance)), return_inverse=True)[1]
-    nearest = np.linalg.norm(position[:, None] - position[order[:ARCS]], axis=2).argmin(axis=1)
-    within_sight = np.zeros((len(active), len(cameras)), dtype=bool)
-    for arc in np.unique(nearest[coming] * len(cameras) + level[coming]):
-        group = np.flatnonzero(coming & (nearest * len(cameras) + level == arc))
-        together = len(group) >= FEW
-        hidden = together and out_of_sight(surface, [cameras[i] for i in group], rotation, active)
-        within_sight[:, group] = (active & ~np.asarray(hidden))[:, None]
-    return within_sight
-
-
-def _across(cameras: Sequence[Camera]) -> np.ndarray:
-    """Rotation of a camera that looks at right angles to the plane of all cameras, or else as they do in the mean."""
-    position = np.array([camera.position for camera in cameras])
-    away = position - position.mean(axis=0)
-    look = np.mean([camera.rotation[2] for camera in cameras], axis=0)
-    _, extent, axes = np.linalg.svd(away, full_matrices=False)
-    if len(extent) == 3 and extent[2] <= SAME_HEIGHT * extent[0]:
-        look = axes[2] * np.sign(axes[2] @ look)
-    up = np.eye(3)[np.argmin(np.abs(look))]
-    return Camera.look_at((0, 0, 0), look, up=up).rotation
 
 
 def _looked_through(

@@ -30,6 +30,10 @@ HIDDEN, WHOLE, CUT = 0, 1, 2
 
 # How many faces of a patch are asked. They must agree; if rounding makes them differ, all are asked.
 PROBES = 3
+# Cameras that are looked at together are in so many groups, and no fewer than so many.
+ARCS, FEWEST = 16, 3
+# They are at one height if they are to this part of the target distance.
+SAME_HEIGHT = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,9 +100,36 @@ def look(image: Image, active: np.ndarray, depth_order: str = "exact", usable: U
     return Sight(screen, status, cuts, on_grid, n_repairs, usable)
 
 
-def out_of_sight(
-    surface: Surface, cameras: Sequence[Camera], rotation: np.ndarray, active: np.ndarray
+def within_sight(
+    surface: Surface, cameras: Sequence[Camera], order: np.ndarray, coming: np.ndarray, active: np.ndarray
 ) -> np.ndarray:
+    """(F, M) which of the cameras `coming`, (M,) bool, may see some of each of the `active` faces, (F,) bool.
+
+    Those about each of the first ones in `order`, (M,) int, which are spread, are looked at together.
+    """
+    position = np.array([camera.position for camera in cameras])
+    away = position - position.mean(axis=0)
+    look = np.mean([camera.rotation[2] for camera in cameras], axis=0)
+    _, extent, axes = np.linalg.svd(away, full_matrices=False)
+    if len(extent) == 3 and extent[2] <= SAME_HEIGHT * extent[0]:  # they are in one plane
+        look = axes[2] * np.sign(axes[2] @ look)
+    if np.linalg.norm(look) < 0.1:  # some look the other way
+        return active[:, None] & coming
+    rotation = Camera.look_at((0, 0, 0), look, up=np.eye(3)[int(np.argmin(np.abs(look)))]).rotation
+    step = SAME_HEIGHT * cameras[0].target_distance
+    _, height = np.unique(np.round(away @ rotation[2] / step), return_inverse=True)
+    nearest = np.linalg.norm(position[:, None] - position[order[:ARCS]], axis=2).argmin(axis=1)
+    group = height * ARCS + nearest
+    possible = active[:, None] & coming
+    for number in np.unique(group[coming]):
+        members = np.flatnonzero(coming & (group == number))
+        if len(members) >= FEWEST:
+            hidden = _out_of_sight(surface, [cameras[int(i)] for i in members], rotation, active)
+            possible[np.ix_(hidden, members)] = False
+    return possible
+
+
+def _out_of_sight(surface: Surface, cameras: Sequence[Camera], rotation: np.ndarray, active: np.ndarray) -> np.ndarray:
     """(F,) which of the `active` faces surely none of several cameras near each other sees; there may be more.
 
     They turn their backs to all of them, or lie so deep in shadow that the way between the cameras does not matter.
@@ -108,57 +139,55 @@ def out_of_sight(
     one camera covers the cell for all, if it neither ends nor folds back where any of them could see that in the cell:
     that is where boxes around all images of its edges are, in place of the edges' own images.
     """
-    position = np.array([camera.position for camera in cameras])
-    middle = int(np.argmin(np.linalg.norm(position - position.mean(axis=0), axis=1)))
     fixed = surface.vertices[surface.faces[active]].mean(axis=(0, 1))
-    ever, always = np.zeros(len(surface.faces), dtype=bool), np.ones(len(surface.faces), dtype=bool)
-    low, high = np.full((3, len(surface.vertices)), np.inf), np.full((3, len(surface.vertices)), -np.inf)
-    outside, of_middle = True, np.zeros((2, 0))
+    low = np.full((3, len(surface.vertices)), np.inf)
+    high, of_one = -low, low
+    ever, always, outside = np.zeros_like(active), np.ones_like(active), True
     for i, camera in enumerate(cameras):
         image = project(surface, replace(camera, rotation=rotation))
-        across, down, away = rotation @ (fixed - camera.position)
-        if len(image.x) > len(surface.vertices) or not np.isfinite(image.x).all() or away <= 0:  # not all is ahead
+        across, down, ahead = rotation @ (fixed - camera.position)
+        if image.frame is not None or not np.isfinite(image.x).all() or ahead <= 0:  # some of it is not ahead
             return np.zeros_like(active)
-        outside &= seen_from_outside(image)
+        outside = outside and seen_from_outside(image)
         ever |= image.front
         always &= image.front
-        here = np.stack([image.x - across / away, image.y - down / away, image.inverse_depth])
+        here = np.stack([image.x - across / ahead, image.y - down / ahead, image.inverse_depth])
         low, high = np.minimum(low, here), np.maximum(high, here)
-        if i == middle:
-            of_middle = here[:2]
+        of_one = here if i == len(cameras) // 2 else of_one
     triangle = np.flatnonzero((surface.areas > 0) & (ever | (not outside)))
     corner = surface.faces[triangle]
-    left, bottom, farthest = (least(values[corner]) for values in low)
-    right, top, nearest = (greatest(values[corner]) for values in high)
-    box = np.stack([left, bottom, right, top])
-    x, y = of_middle[:, corner]
+    box = np.stack([*(least(low[k][corner]) for k in (0, 1)), *(greatest(high[k][corner]) for k in (0, 1))])
+    farthest, nearest = least(low[2][corner]), greatest(high[2][corner])
+    x, y = of_one[:2, corner]
     twice_area = np.abs((x[:, 1] - x[:, 0]) * (y[:, 2] - y[:, 0]) - (y[:, 1] - y[:, 0]) * (x[:, 2] - x[:, 0]))
     asked = (active & ever)[triangle]
     grid = Grid.over(box[:, asked], np.full(2, np.inf), box, twice_area / 2)
     marks = grid.marked(grid.boxes(box[:, asked]))
-    owner, cell = grid.touched(box[[0, 2, 2, 0]].T, box[[1, 1, 3, 3]].T, marks)
-    shape = twice_area / np.maximum(np.maximum(right - left, top - bottom), SMALLEST_IMAGE) ** 2
+    owner, cell = grid.touched(*_rectangles(box), marks)
+    longest = greatest((box[2:] - box[:2]).T)
     # An edge between faces of which one turns over on the way is somewhere where a sheet folds back.
     side = np.where(always, 1, np.where(ever, 2, 0))[surface.edge_faces]
     folds = (side[:, 0] != side[:, 1]) | (side == 2).any(axis=1)
     loose = ever[surface.loose_edge_faces] | (not outside)
-    ends = np.concatenate([surface.edges[folds], surface.loose_edges[loose]])
-    end_low, end_high = low[:, ends].min(axis=2), high[:, ends].max(axis=2)
-    end, end_cell = grid.touched(
-        np.stack([end_low[0], end_high[0], end_high[0], end_low[0]], axis=1),
-        np.stack([end_low[1], end_low[1], end_high[1], end_high[1]], axis=1), marks,
-    )  # fmt: skip
+    edges = np.concatenate([surface.edges[folds], surface.loose_edges[loose]])
+    end_box = np.concatenate([low[:2, edges].min(axis=2), high[:2, edges].max(axis=2)])
+    end, end_cell = grid.touched(*_rectangles(end_box), marks)
     depths = Depths.between(farthest, nearest)
     steps = depths.near(nearest)
     limit = sight_depth(
         grid.n_cells,
         (cell, steps[owner], depths.far(farthest)[owner]),
-        cell_centres_in(grid, owner, cell, x, y, shape),
-        (end_cell, depths.near(end_high[2])[end], depths.far(end_low[2])[end]),
+        cell_centres_in(grid, owner, cell, x, y, twice_area / np.maximum(longest, SMALLEST_IMAGE) ** 2),
+        (end_cell, depths.near(high[2, edges].max(axis=1))[end], depths.far(low[2, edges].min(axis=1))[end]),
     )
     may_be_seen = np.zeros_like(active)
     may_be_seen[triangle[owner[steps[owner] >= limit[cell]]]] = True
     return active & ~(ever & may_be_seen)
+
+
+def _rectangles(box: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Coordinates x and y, each (N, 4), of the corners of boxes (left, low, right, high; (4, N))."""
+    return box[[0, 2, 2, 0]].T, box[[1, 1, 3, 3]].T
 
 
 def _patches_seen(screen: Screen, uncut: np.ndarray):

@@ -16,7 +16,8 @@ SMALLEST_IMAGE = 1e-150
 ON_EDGE = 1e-12
 # Pairs of a point and a triangle near it that are looked at in one go: few enough for caches, many enough for numpy.
 PAIRS = 250_000
-SIEVE = 4
+# Where fewer than one in so many are asked about, it is worth finding out which cells these really touch.
+FEW_ASKED = 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,7 +91,7 @@ class Screen:
         cells = grid.boxes(box[:, near])
         # Late in a long row of cameras few faces are active, and most of what could hide has nothing left to hide.
         marks = grid.marked(cells[:, asked[near]])
-        if SIEVE * asked.sum() < len(asked):
+        if FEW_ASKED * asked.sum() < len(asked):
             _, cell = grid.touched(x[asked], y[asked], marks)
             marks = np.zeros_like(marks)
             marks.reshape(-1)[cell] = True

@@ -267,10 +267,10 @@ def _seen_parts(screen: Screen, found: np.ndarray, start: _Ends, end: _Ends, ent
     owner, at = owner[order], at[order]
     low = np.flatnonzero(owner[1:] == owner[:-1])
     owner, low, high = owner[low], at[low], at[low + 1]
-    ways = (_between(enter.take(owner), leave.take(owner), side) for side in (low, high))
+    begin, finish = (_between(enter.take(owner), leave.take(owner), side) for side in (low, high))
     # Of a part of nearly no length rounding may have put the middle to this side or that of where a sheet ends.
     inside = np.where(high - low < 4 * BEYOND, CLEARLY, 0.0)
-    seen = ~_hidden_by_others(screen, start.take(owner), end.take(owner), *ways, inside)[0]
+    seen = ~_hidden_by_others(screen, start.take(owner), end.take(owner), begin, finish, inside=inside)[0]
     # What follows upon each other is one part.
     goes_on = (owner[1:] == owner[:-1]) & seen[1:] & seen[:-1]
     first, last = np.flatnonzero(seen & ~np.append(False, goes_on)), np.flatnonzero(seen & ~np.append(goes_on, False))
@@ -320,7 +320,7 @@ def _crossed(screen: Screen, asked: np.ndarray, start: _Ends, end: _Ends, enter:
 
 
 def _hidden_by_others(
-    screen: Screen, start: _Ends, end: _Ends, enter: _Ends, leave: _Ends, inside: np.ndarray | float = 0.0
+    screen: Screen, start: _Ends, end: _Ends, enter: _Ends, leave: _Ends, *, inside: np.ndarray | float = 0.0
 ):
     """Whether a triangle surely hides the middle of each cut, and whether one hides each half of it: (N,), (N,).
 

@@ -8,7 +8,7 @@ import exact
 from exact.visibility import close_pairs, screen, sight_depth, silhouettes
 from experiments.bench.generated_meshes import KINDS
 from tests.support.ray_oracle import Samples
-from tests.support.scenes import above, rectangle, together
+from tests.support.scenes import above, rectangle, soup, tilted_tori, together
 
 RING = exact.Ring()
 CLOSED = ("sphere", "brain", "skull", "cylinders")
@@ -114,3 +114,41 @@ def test_what_a_sheet_hides_changes_no_area():
     assert np.array_equal(both.face_areas[: len(slab.faces)], alone.face_areas)
     assert not both.face_areas[len(slab.faces) :].any()
     assert exact.evaluate(below, cameras()).area > 0
+
+
+def under_a_slit():
+    """A floor of many faces under two plates, of which each camera sees a strip, and no two the same."""
+    floor = trimesh.creation.box((30, 30, 1))
+    for _ in range(3):
+        floor = floor.subdivide()
+    plates = [trimesh.creation.box((14.8, 40, 1)).apply_translation((x, 0, 15)) for x in (-7.5, 7.5)]
+    return together(floor, *plates)
+
+
+NEIGHBOURS = {
+    "channel": (lambda: KINDS["channel"](600), RING.cameras(RING.equidistant(60))),
+    "brain": (lambda: KINDS["brain"](300), RING.cameras(RING.equidistant(60))),
+    "slit": (under_a_slit, RING.cameras(RING.equidistant(60))),
+    "slit, wide and narrow ring": (
+        under_a_slit,
+        [
+            *exact.Ring(diameter=160, working_distance=250).cameras(RING.equidistant(30)),
+            *exact.Ring(diameter=8).cameras(RING.equidistant(30)),
+        ],
+    ),
+    "triangles everywhere": (soup, RING.cameras(np.sort(np.random.default_rng(3).uniform(0, 1, 57)))),
+    "tori, cameras at any height": (
+        lambda: together(*tilted_tori()),
+        [above(*place) for place in np.random.default_rng(4).uniform((-9, -9, 300), (9, 9, 303), (57, 3))],
+    ),
+}
+
+
+@pytest.mark.parametrize("scene", NEIGHBOURS)
+def test_many_neighbouring_cameras_see_what_each_sees_alone(scene):
+    mesh, cameras = NEIGHBOURS[scene][0](), NEIGHBOURS[scene][1]
+    sets = exact.view_sets(mesh, cameras)
+    together = sets.areas @ sets.seen
+    alone = [exact.view(mesh, camera).area for camera in cameras]
+    assert together == pytest.approx(alone, rel=1e-9)
+    assert len(set(np.round(alone, 6))) > 1
