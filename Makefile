@@ -18,7 +18,7 @@ demo: .venv/installed
 test: .venv/installed-test lint compiled
 	$(PYTEST)
 
-# Those that take long, too: three times as long as `make test`.
+# Those that take long, too: several times as long as `make test`.
 test-all: .venv/installed-test lint compiled
 	$(PYTEST) --all
 
