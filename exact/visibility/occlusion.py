@@ -21,7 +21,7 @@ from exact.cameras import Camera
 from exact.visibility.grid import Grid, counting, greatest, least
 from exact.visibility.limits import Usable
 from exact.visibility.projection import Image, project
-from exact.visibility.screen import SMALLEST_IMAGE, Screen, seen_from_outside
+from exact.visibility.screen import SMALLEST_IMAGE, Screen, seen_from_outside, twice_areas
 from exact.visibility.sight_depth import Depths, cell_centres_in, sight_depth
 from exact.visibility.silhouettes import Cuts, crossings
 from exact.visibility.surface import Surface
@@ -159,7 +159,7 @@ def _out_of_sight(surface: Surface, cameras: Sequence[Camera], rotation: np.ndar
     box = np.stack([*(least(low[k][corner]) for k in (0, 1)), *(greatest(high[k][corner]) for k in (0, 1))])
     farthest, nearest = least(low[2][corner]), greatest(high[2][corner])
     x, y = of_one[:2, corner]
-    twice_area = np.abs((x[:, 1] - x[:, 0]) * (y[:, 2] - y[:, 0]) - (y[:, 1] - y[:, 0]) * (x[:, 2] - x[:, 0]))
+    twice_area = np.abs(twice_areas(x, y))
     asked = (active & ever)[triangle]
     grid = Grid.over(box[:, asked], np.full(2, np.inf), box, twice_area / 2)
     marks = grid.marked(grid.boxes(box[:, asked]))
@@ -205,7 +205,7 @@ def _patches_seen(screen: Screen, uncut: np.ndarray):
     # The faces with the largest images speak for their patch.
     corner = image.corners[image.whole[uncut]]
     x, y = image.x[corner], image.y[corner]
-    size = np.abs((x[:, 1] - x[:, 0]) * (y[:, 2] - y[:, 0]) - (y[:, 1] - y[:, 0]) * (x[:, 2] - x[:, 0]))
+    size = np.abs(twice_areas(x, y))
     order = np.lexsort((-size, patch))
     count = np.bincount(patch, minlength=n_patches)
     rank = np.empty(len(uncut), dtype=int)

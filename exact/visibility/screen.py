@@ -83,8 +83,7 @@ class Screen:
         corner = image.corners[candidate]
         x, y = image.x[corner], image.y[corner]
         box = np.stack([least(x), least(y), greatest(x), greatest(y)])
-        side_x, side_y = x[:, 1:] - x[:, :1], y[:, 1:] - y[:, :1]
-        twice_area = np.abs(side_x[:, 0] * side_y[:, 1] - side_y[:, 0] * side_x[:, 1])
+        twice_area = np.abs(twice_areas(x, y))
         asked = (active & image.front)[image.parent[candidate]] & in_window(box, -image.camera.half_extent)
         grid = Grid.over(box[:, asked], image.camera.half_extent, box, twice_area / 2)
         near = np.flatnonzero(in_window(box, grid.low, grid.high))
@@ -210,11 +209,16 @@ def rims(image: Image, concave: bool = True) -> np.ndarray:
     return np.concatenate([edges, parts[:, [0, 1]], parts[:, [1, 2]], parts[:, [2, 0]]])
 
 
+def twice_areas(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """(N,) twice the signed areas of triangles with corners x, y (N, 3)."""
+    return (x[:, 1] - x[:, 0]) * (y[:, 2] - y[:, 0]) - (y[:, 1] - y[:, 0]) * (x[:, 2] - x[:, 0])
+
+
 def barycentric(x: np.ndarray, y: np.ndarray, at_x: np.ndarray, at_y: np.ndarray) -> np.ndarray:
     """(N, 3) barycentric coordinates of image points in triangles with corners x, y (N, 3); exact at the corners."""
     x0, x1, x2 = x[:, 0] - at_x, x[:, 1] - at_x, x[:, 2] - at_x
     y0, y1, y2 = y[:, 0] - at_y, y[:, 1] - at_y, y[:, 2] - at_y
-    twice_area = (x[:, 1] - x[:, 0]) * (y[:, 2] - y[:, 0]) - (y[:, 1] - y[:, 0]) * (x[:, 2] - x[:, 0])
+    twice_area = twice_areas(x, y)
     weight = np.empty((len(x), 3))
     weight[:, 0] = (x1 * y2 - y1 * x2) / twice_area
     weight[:, 1] = (x2 * y0 - y2 * x0) / twice_area

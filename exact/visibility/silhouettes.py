@@ -334,10 +334,11 @@ def _hidden_by_others(
     cell = screen.grid.cell(x, y)
     count = screen.first[cell + 1] - screen.first[cell]
 
-    def hides(found, x, y, inverse_depth, inside) -> np.ndarray:
+    def how_far_inside(found, x, y, inverse_depth) -> np.ndarray:
+        """Least barycentric coordinate; -inf where the triangle is not in front."""
         weight = barycentric(screen.x[found], screen.y[found], x, y)
         in_front = (weight * screen.inverse_depth[found]).sum(axis=1) > nearer * inverse_depth
-        return (least(weight) >= inside) & in_front
+        return np.where(in_front, least(weight), -np.inf)
 
     nearer = 1 + SAME_DEPTH
     for low, high in blocks(count, PAIRS):
@@ -345,14 +346,16 @@ def _hidden_by_others(
         found = screen.near[np.repeat(screen.first[cell[low:high]], count[low:high]) + counting(count[low:high])]
         near_enough = (screen.nearest[found] > inverse_depth[cut]) & (screen.shape[found] > THICK)
         cut, found = cut[near_enough], found[near_enough]
+        far = how_far_inside(found, x[cut], y[cut], inverse_depth[cut])
+        here = far >= inside[cut]
+        cut, found, far = cut[here], found[here], far[here]
         corner = screen.image.corners[screen.triangle[found]]
         common = ((corner == start.point[cut, None]) | (corner == end.point[cut, None])).sum(axis=1)
-        far = np.where(common == 0, inside[cut], CLEARLY)
-        here = hides(found, x[cut], y[cut], inverse_depth[cut], far) & (common < 2)
-        cut, found = cut[here], found[here]
+        others = (common == 0) | (common == 1) & (far >= CLEARLY)
+        cut, found = cut[others], found[others]
         hidden[cut] = True
         for ends, half in ((enter, first_half), (leave, second_half)):
-            half[cut[hides(found, ends.x[cut], ends.y[cut], ends.inverse_depth[cut], 0.0)]] = True
+            half[cut[how_far_inside(found, ends.x[cut], ends.y[cut], ends.inverse_depth[cut]) >= 0]] = True
     return hidden, first_half & second_half
 
 

@@ -148,7 +148,7 @@ NEIGHBOURS = {
 def test_many_neighbouring_cameras_see_what_each_sees_alone(scene):
     mesh, cameras = NEIGHBOURS[scene][0](), NEIGHBOURS[scene][1]
     sets = exact.view_sets(mesh, cameras)
-    together = sets.areas @ sets.seen
+    of_sets = sets.areas @ sets.seen
     alone = [exact.view(mesh, camera).area for camera in cameras]
-    assert together == pytest.approx(alone, rel=1e-9)
+    assert of_sets == pytest.approx(alone, rel=1e-9)
     assert len(set(np.round(alone, 6))) > 1
