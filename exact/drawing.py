@@ -8,7 +8,7 @@ import shapely
 from exact.cameras import Camera
 from exact.demand import Demand
 from exact.predicted.reconstructed import divided
-from exact.visibility.clipping import GRID_SIZE, whole_faces
+from exact.visibility.pieces.clipping import GRID_SIZE, whole_faces
 from exact.visibility.projection import image_polygons
 from exact.visibility.view import view_of
 

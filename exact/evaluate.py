@@ -19,8 +19,8 @@ from exact.requests import (
 )
 from exact.results import Reconstruction
 from exact.scene import Scene
-from exact.visibility.clipping import OVERLAP
 from exact.visibility.coverage import Tally, tally
+from exact.visibility.pieces.clipping import OVERLAP
 from exact.workers import processes
 
 if TYPE_CHECKING:

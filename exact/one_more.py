@@ -19,8 +19,9 @@ from exact.predicted.reconstructed import divided, reconstructed
 from exact.requests import ASKED, checked, checked_cameras, shows
 from exact.scene import Scene
 from exact.view_sets import ViewSets, sets_of
-from exact.visibility.coverage import BLOCK, Count, Pieces, Tally, add_views, spread_order
-from exact.visibility.triangulated import triangulated
+from exact.visibility.coverage import BLOCK, Count, Tally, add_views, spread_order
+from exact.visibility.pieces.pieces import Pieces
+from exact.visibility.pieces.triangulated import triangulated
 
 if TYPE_CHECKING:
     import trimesh

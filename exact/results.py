@@ -13,8 +13,9 @@ from exact.errors import ExactError
 from exact.predicted.errors import Errors, errors_over
 from exact.predicted.reconstructed import area_by_face, reconstructed
 from exact.scene import Scene
-from exact.visibility.coverage import Pieces, Tally, tally
-from exact.visibility.triangulated import triangulated
+from exact.visibility.coverage import Tally, tally
+from exact.visibility.pieces.pieces import Pieces
+from exact.visibility.pieces.triangulated import triangulated
 
 if TYPE_CHECKING:  # making a mesh and drawing alone need these
     import trimesh

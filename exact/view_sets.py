@@ -27,8 +27,9 @@ from exact.requests import (
     shows,
 )
 from exact.scene import Scene
-from exact.visibility.coverage import Pieces, Tally, tally
-from exact.visibility.triangulated import triangulated
+from exact.visibility.coverage import Tally, tally
+from exact.visibility.pieces.pieces import Pieces
+from exact.visibility.pieces.triangulated import triangulated
 
 if TYPE_CHECKING:
     import trimesh

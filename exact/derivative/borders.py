@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from exact.visibility.coverage import Pieces
 from exact.visibility.grid import counting
+from exact.visibility.pieces.pieces import Pieces
 from exact.visibility.sight_depth import blocks
 from exact.visibility.silhouettes import Cuts
 from exact.visibility.surface import Surface

@@ -13,7 +13,8 @@ from exact.derivative.on_ring import RingDerivative, on_ring
 from exact.errors import ExactError
 from exact.ring import Ring
 from exact.scene import Scene
-from exact.visibility.coverage import Pieces, Tally
+from exact.visibility.coverage import Tally
+from exact.visibility.pieces.pieces import Pieces
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,10 +11,10 @@ import shapely
 
 from exact.predicted.bound import SMALL, ErrorBound, sizes
 from exact.predicted.triangles import Triangles
-from exact.visibility.coverage import Pieces
+from exact.visibility.pieces.pieces import Pieces
+from exact.visibility.pieces.triangulated import triangles_in
 from exact.visibility.projection import lone_corner_first
 from exact.visibility.screen import barycentric
-from exact.visibility.triangulated import triangles_in
 
 # Greatest error of an area by all contours together, in parts of the area.
 CONTOUR_TOLERANCE = 1e-6

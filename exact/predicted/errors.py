@@ -8,9 +8,9 @@ import numpy as np
 from exact.predicted.bound import Predictor
 from exact.predicted.moments import Moments
 from exact.predicted.triangles import Triangles
-from exact.visibility.clipping import whole_faces
-from exact.visibility.coverage import Pieces
-from exact.visibility.triangulated import triangles_in
+from exact.visibility.pieces.clipping import whole_faces
+from exact.visibility.pieces.pieces import Pieces
+from exact.visibility.pieces.triangulated import triangles_in
 
 # Pieces are divided until their points are, root mean square, nearer to their centroid than this part of the distance
 # from the cameras; of those that are smaller still the centroid speaks for all, to a millionth.

@@ -5,8 +5,9 @@ import shapely
 
 from exact.demand import Criterion
 from exact.predicted.contour import accurate_part
-from exact.visibility.clipping import GRID_SIZE, whole_faces
-from exact.visibility.coverage import Pieces, Tally
+from exact.visibility.coverage import Tally
+from exact.visibility.pieces.clipping import GRID_SIZE, whole_faces
+from exact.visibility.pieces.pieces import Pieces
 from exact.visibility.surface import Surface
 
 

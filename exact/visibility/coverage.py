@@ -2,7 +2,8 @@
 
 Wachter 2021 unites the intersections of all C(M, T) combinations of views. Here each face starts whole, and a camera
 that sees only part of it cuts it. Parts that T cameras have seen are set aside, parts in the same state are merged,
-and the next camera meets only what is left.
+and the next camera meets only what is left. Late in a long row that is many pieces, hidden but for a few: a camera is
+first asked about the convex hull of all that is left of a face, and of the pieces only about those it may see.
 """
 
 import gc
@@ -12,13 +13,13 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
 import numpy as np
-import shapely
 
 from exact.cameras import Camera
 from exact.demand import Criterion
-from exact.visibility.clipping import cut_pieces, halved_pieces, unite, whole_faces
 from exact.visibility.limits import Usable
 from exact.visibility.occlusion import CUT, HIDDEN, WHOLE, Sight, look, within_sight
+from exact.visibility.pieces.clipping import whole_faces
+from exact.visibility.pieces.pieces import HullsSeen, Pieces, cells_of, look_at_hulls, merged
 from exact.visibility.projection import project
 from exact.visibility.silhouettes import Cuts
 from exact.visibility.surface import Surface
@@ -29,35 +30,6 @@ from exact.workers import processes, shares
 BLOCK = 8
 # If as many cameras are still to come, those near each other are first looked at together.
 MANY = 48
-
-
-@dataclass(frozen=True, eq=False)
-class Pieces:
-    """Parts of faces and the cameras that see them.
-
-    Attributes
-    ----------
-    face : (P,) int
-    polygon : (P,) polygons or multipolygons in the coordinates of their faces
-    seen : (P, M) bool
-        Cameras that see each piece, up to when it was finished. For merged pieces, one of several equivalent sets.
-    """
-
-    face: np.ndarray
-    polygon: np.ndarray
-    seen: np.ndarray
-
-    def take(self, chosen: np.ndarray) -> "Pieces":
-        """The chosen ones, by mask or index."""
-        return Pieces(self.face[chosen], self.polygon[chosen], self.seen[chosen])
-
-    @staticmethod
-    def joined(parts: Sequence["Pieces"]) -> "Pieces":
-        """All of several sets, by ascending face."""
-        face = np.concatenate([part.face for part in parts])
-        polygon = np.concatenate([part.polygon for part in parts])
-        seen = np.concatenate([part.seen for part in parts])
-        return Pieces(face, polygon, seen).take(np.argsort(face, kind="stable"))
 
 
 @dataclass(frozen=True, eq=False)
@@ -291,6 +263,9 @@ def add_views(
         active = _counted_whole(active & ~is_cut, whole_seen, sights[-1], i, criterion) | active & is_cut
     n_repairs = count.n_repairs + sum(sight.n_repairs for sight in sights)
     status = np.stack([sight.status for sight in sights], axis=1)
+    hulls_seen = None
+    if len(count.waiting.face) and not criterion.by_set:
+        status, hulls_seen = look_at_hulls(count.waiting, sights, status)
     new = np.flatnonzero(active & ~is_cut & (status == CUT).any(axis=1))
     if criterion.bound is not None:
         possible = count.possible(new, whole_seen[new], coming)
@@ -301,7 +276,7 @@ def add_views(
     pieces = Pieces.joined([count.waiting, Pieces(new, whole_faces(len(new)), whole_seen[new])])
     is_cut[new] = True
     whole_seen[new] = False
-    finished, pieces, repairs = _refine(count, pieces, sights, status, block, criterion, coming)
+    finished, pieces, repairs = _refine(count, pieces, sights, status, hulls_seen, block, criterion, coming)
     active = active & ~is_cut
     active[pieces.face] = True
     cuts = count.cuts
@@ -312,7 +287,16 @@ def add_views(
     return Count(active, whole_seen, is_cut, pieces, done, n_repairs + repairs, count.within_sight, cuts)
 
 
-def _refine(count: Count, pieces: Pieces, sights: list[Sight], status, block, criterion: Criterion, coming: np.ndarray):
+def _refine(
+    count: Count,
+    pieces: Pieces,
+    sights: list[Sight],
+    status: np.ndarray,
+    hulls_seen: list[HullsSeen] | None,
+    block: np.ndarray,
+    criterion: Criterion,
+    coming: np.ndarray,
+):
     """Cut pieces along what each camera of a block sees of them; finished pieces, the others, number of repairs."""
     pieces.seen[:, block] |= status[pieces.face] == WHOLE
 
@@ -330,14 +314,9 @@ def _refine(count: Count, pieces: Pieces, sights: list[Sight], status, block, cr
         if not crossed.any():
             continue
         rest, cut = pieces.take(~crossed), pieces.take(crossed)
-        asked = cut.face, cut.polygon, sights[k].cuts, sights[k].on_grid[cut.face]
-        if criterion.by_set:
-            origin, cell, repairs, inner = halved_pieces(*asked)
-        else:
-            origin, cell, repairs = cut_pieces(*asked)
-            inner = shapely.get_coordinates(shapely.point_on_surface(cell))
+        hull_seen = None if hulls_seen is None else hulls_seen[k]
+        origin, cell, answer, repairs = cells_of(cut, sights[k], hull_seen, criterion.by_set)
         n_repairs += repairs
-        answer = sights[k].sees(cut.face[origin], inner)
         # A piece all of whose cells got the same answer need not be cut.
         n_cells, n_seen = np.bincount(origin, minlength=len(cut.face)), np.bincount(origin, answer, len(cut.face))
         divided = (n_seen > 0) & (n_seen < n_cells)
@@ -353,20 +332,7 @@ def _refine(count: Count, pieces: Pieces, sights: list[Sight], status, block, cr
         pieces = Pieces.joined([rest, cut.take(~met), cells])
     if coming.any() and not criterion.by_set:
         again = parted[pieces.face]
-        merged, repairs = _merged(pieces.take(again), criterion.state(pieces.seen[again], coming))
+        united, repairs = merged(pieces.take(again), criterion.state(pieces.seen[again], coming))
         n_repairs += repairs
-        pieces = Pieces.joined([pieces.take(~again), merged])
+        pieces = Pieces.joined([pieces.take(~again), united])
     return Pieces.joined(done), pieces, n_repairs
-
-
-def _merged(pieces: Pieces, state: np.ndarray) -> tuple[Pieces, int]:
-    """Unite the pieces of each face that are in the same state; also the number of repairs."""
-    if not len(pieces.face):
-        return pieces, 0
-    key = np.concatenate([pieces.face[:, None], state], axis=1)
-    _, first, group = np.unique(key, axis=0, return_index=True, return_inverse=True)
-    group = group.reshape(-1)
-    order = np.argsort(group, kind="stable")
-    united, failed, n_repairs = unite(group[order], pieces.polygon[order])
-    merged = Pieces(pieces.face[first], united, pieces.seen[first]).take(~failed)
-    return Pieces.joined([merged, pieces.take(failed[group])]), n_repairs

@@ -13,10 +13,11 @@ from exact.scene import Scene
 from exact.usable.limits import Limits
 from exact.usable.optics import Optics
 from exact.visibility import light
-from exact.visibility.clipping import unite, whole_faces
 from exact.visibility.coverage import tally
+from exact.visibility.pieces.clipping import whole_faces
+from exact.visibility.pieces.triangulated import in_space, triangulated
+from exact.visibility.pieces.uniting import unite
 from exact.visibility.projection import image_polygons
-from exact.visibility.triangulated import in_space, triangulated
 
 if TYPE_CHECKING:
     import trimesh

@@ -224,37 +224,6 @@ def _widened(corners: np.ndarray, width: int) -> np.ndarray:
     return np.pad(corners, room) if width > corners.shape[-2] else corners
 
 
-def unite(group: np.ndarray, polygon: np.ndarray):
-    """Unite polygons that do not overlap.
-
-    Parameters
-    ----------
-    group : (N,) int
-        Which of them belong together: 0, 1, .. without gaps, ascending.
-    polygon : (N,) polygons or multipolygons
-
-    Returns
-    -------
-    united : (G,) polygons or multipolygons
-        One for each group. A union must have the area of its parts, or it is formed again on a precision grid.
-    failed : (G,) bool
-        Groups that have no such union even then: theirs is an (invalid) multipolygon of the parts side by side.
-    n_repairs : int
-        Groups whose first union had not the right area.
-    """
-    parts, owner = shapely.get_parts(polygon, return_index=True)
-    together = np.asarray(shapely.multipolygons(parts, indices=group[owner]))
-    expected = np.bincount(group, weights=shapely.area(polygon))
-    outline = np.bincount(group, weights=shapely.length(polygon))
-    united = np.asarray(shapely.union_all(together[:, None], axis=1))
-    # Slivers whose area is rounding may come back as nothing at all, which no point speaks for.
-    wrong = _differ(shapely.area(united), expected, outline) | shapely.is_empty(united)
-    united[wrong] = shapely.union_all(together[wrong, None], axis=1, grid_size=GRID_SIZE)
-    failed = _differ(shapely.area(united), expected, outline) | shapely.is_empty(united)
-    united[failed] = together[failed]
-    return united, failed, int(wrong.sum())
-
-
 def _segments_over(face: np.ndarray, piece: np.ndarray, cuts: Cuts):
     """Lines of `cuts` that part a piece of their face, a polygon: the piece of each, (L,) int, and the line."""
     first, last = np.searchsorted(cuts.face, face, "left"), np.searchsorted(cuts.face, face, "right")
@@ -340,9 +309,9 @@ def _without_necks(cell: np.ndarray, origin: np.ndarray):
 def _unfilled(piece: np.ndarray, origin: np.ndarray, cell: np.ndarray, chosen: np.ndarray) -> np.ndarray:
     """Those of the chosen pieces whose cells have not the same area in sum."""
     total = np.bincount(origin, weights=shapely.area(cell), minlength=len(piece))[chosen]
-    return chosen[_differ(total, shapely.area(piece[chosen]), shapely.length(piece[chosen]))]
+    return chosen[differ(total, shapely.area(piece[chosen]), shapely.length(piece[chosen]))]
 
 
-def _differ(area: np.ndarray, expected: np.ndarray, outline: np.ndarray) -> np.ndarray:
+def differ(area: np.ndarray, expected: np.ndarray, outline: np.ndarray) -> np.ndarray:
     """(N,) whether areas are not those expected of polygons with outlines of these lengths."""
     return np.abs(area - expected) > OUTLINE_TOLERANCE * outline

@@ -1,0 +1,1 @@
+"""Pieces of faces in the faces' own coordinates: cut, asked about, united."""
