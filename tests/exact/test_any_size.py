@@ -152,3 +152,7 @@ def test_many_neighbouring_cameras_see_what_each_sees_alone(scene):
     alone = [exact.view(mesh, camera).area for camera in cameras]
     assert of_sets == pytest.approx(alone, rel=1e-9)
     assert len(set(np.round(alone, 6))) > 1
+    # Sets are cut by every camera, without a thought to what still waits for how many views.
+    for threshold in (1, 2, 4):
+        area = exact.evaluate(mesh, cameras, threshold=threshold).area
+        assert area == pytest.approx(sets.area(threshold=threshold), rel=1e-10)
