@@ -186,8 +186,8 @@ class Demand:
         """
         if self.threshold > n_cameras:
             raise ExactError(
-                f"threshold is {self.threshold} with {n_cameras} cameras; it must be a whole number from 1 to the "
-                "number of cameras: add cameras or lower the threshold"
+                f"threshold is {self.threshold} with {n_cameras} camera{'' if n_cameras == 1 else 's'}; it must be a "
+                "whole number from 1 to the number of cameras: add cameras or lower the threshold"
             )
         for name in ("max_error", "max_disparity_gradient"):
             if n_cameras == 1 and getattr(self, name) is not None:

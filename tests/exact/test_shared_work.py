@@ -151,7 +151,7 @@ def test_areas_of_many_layouts_are_those_of_each_to_the_last_bit(workers):
         (lambda mesh, some: exact.OneMore(mesh, some, threshold=4), "threshold is 4 with 3 cameras"),
         (lambda mesh, some: exact.OneMore(mesh, some, min_baseline=-1), "min_baseline is -1"),
         (lambda mesh, some: exact.OneMore(mesh, some).area("here"), "a camera is a str"),
-        (lambda mesh, some: exact.areas(mesh, [some, some[:1]], threshold=2), "threshold is 2 with 1 cameras"),
+        (lambda mesh, some: exact.areas(mesh, [some, some[:1]], threshold=2), "threshold is 2 with 1 camera;"),
         (lambda mesh, some: exact.areas(mesh, [some], workers=0), "workers is 0"),
         (lambda mesh, some: exact.view_sets(mesh, []), "there are no cameras"),
     ],

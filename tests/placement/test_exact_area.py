@@ -75,7 +75,7 @@ def test_what_is_no_layout(walls, problem):
     assert np.isnan(area([0.3, np.nan])) and np.isnan(jax.grad(area)(jnp.array([0.3, np.inf]))).all()
     with pytest.raises(PlacementError, match=r"ring angles have shape \(1, 3\); they must be one row"):
         area([LAYOUT])
-    with pytest.raises(PlacementError, match="threshold is 2 with 1 cameras"):
+    with pytest.raises(PlacementError, match="threshold is 2 with 1 camera;"):
         area([0.3])
     with pytest.raises(PlacementError, match="leave max_error out"):
         placement.exact_area(Problem(walls, RING, settings=QUICK, max_error=0.5))
