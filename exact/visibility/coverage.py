@@ -264,7 +264,7 @@ def add_views(
     n_repairs = count.n_repairs + sum(sight.n_repairs for sight in sights)
     status = np.stack([sight.status for sight in sights], axis=1)
     hulls_seen = None
-    if len(count.waiting.face) and not criterion.by_set:
+    if count.within_sight is not None and len(count.waiting.face) and not criterion.by_set:  # in a long row it pays
         status, hulls_seen = look_at_hulls(count.waiting, sights, status)
     new = np.flatnonzero(active & ~is_cut & (status == CUT).any(axis=1))
     if criterion.bound is not None:

@@ -224,12 +224,15 @@ def _widened(corners: np.ndarray, width: int) -> np.ndarray:
     return np.pad(corners, room) if width > corners.shape[-2] else corners
 
 
+def of_same_face(face: np.ndarray, of_face: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Pairs (P,), (P,) of one of the faces (N,) and one of others that is the same, (M,) ascending."""
+    first, last = np.searchsorted(of_face, face, "left"), np.searchsorted(of_face, face, "right")
+    return np.repeat(np.arange(len(face)), last - first), np.repeat(first, last - first) + counting(last - first)
+
+
 def _segments_over(face: np.ndarray, piece: np.ndarray, cuts: Cuts):
     """Lines of `cuts` that part a piece of their face, a polygon: the piece of each, (L,) int, and the line."""
-    first, last = np.searchsorted(cuts.face, face, "left"), np.searchsorted(cuts.face, face, "right")
-    count = last - first
-    owner = np.repeat(np.arange(len(face)), count)
-    chosen = np.repeat(first, count) + counting(count)
+    owner, chosen = of_same_face(face, cuts.face)
     start, end = cuts.start[chosen], cuts.end[chosen]
     low, high = np.minimum(start, end), np.maximum(start, end)
     box = shapely.bounds(piece)[owner]

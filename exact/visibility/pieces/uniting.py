@@ -3,8 +3,7 @@
 import numpy as np
 import shapely
 
-from exact.visibility.grid import counting
-from exact.visibility.pieces.clipping import GRID_SIZE, POLYGON, differ
+from exact.visibility.pieces.clipping import GRID_SIZE, POLYGON, differ, of_same_face
 
 # Polygons whose boxes are farther apart do not touch.
 NEARBY = 1e-7
@@ -58,9 +57,9 @@ def gathered(part: np.ndarray, group: np.ndarray) -> np.ndarray:
 
 def _near_others(part: np.ndarray, owner: np.ndarray, group: np.ndarray) -> np.ndarray:
     """(N,) whether parts come near one of another owner in their group, (N,), (N,)."""
-    low, high = shapely.bounds(part)[:, :2] - NEARBY, shapely.bounds(part)[:, 2:] + NEARBY
+    left, low, right, high = shapely.bounds(part).T
     aside = 2.0 * group  # groups side by side
-    box = shapely.box(low[:, 0] + aside, low[:, 1], high[:, 0] + aside, high[:, 1])
+    box = shapely.box(left + aside - NEARBY, low - NEARBY, right + aside + NEARBY, high + NEARBY)
     one, other = shapely.STRtree(box).query(box)
     near = np.zeros(len(part), dtype=bool)
     near[one[owner[one] != owner[other]]] = True
@@ -74,16 +73,14 @@ def hulls(face: np.ndarray, polygon: np.ndarray) -> tuple[np.ndarray, np.ndarray
     """
     part, owner = shapely.get_parts(polygon, return_index=True)
     face, group = np.unique(face, return_inverse=True)
-    hull = np.asarray(shapely.convex_hull(shapely.multipolygons(part, indices=group[owner])))
+    hull = np.asarray(shapely.convex_hull(gathered(part, group[owner])))
     flat = shapely.get_type_id(hull) != POLYGON
     return face[~flat], hull[~flat]
 
 
 def meets(face: np.ndarray, polygon: np.ndarray, of_face: np.ndarray, other: np.ndarray) -> np.ndarray:
     """(N,) whether polygons (N,) of faces (N,) meet or touch one of others (M,) of the same face, by ascending face."""
-    first, last = np.searchsorted(of_face, face, "left"), np.searchsorted(of_face, face, "right")
-    owner = np.repeat(np.arange(len(face)), last - first)
-    meets_it = shapely.intersects(polygon[owner], other[np.repeat(first, last - first) + counting(last - first)])
+    owner, at = of_same_face(face, of_face)
     found = np.zeros(len(face), dtype=bool)
-    found[owner[meets_it]] = True
+    found[owner[shapely.intersects(polygon[owner], other[at])]] = True
     return found
