@@ -81,7 +81,7 @@ def optimise(
     (True, True)
     """
     _refuse_beforehand(ring, n_cameras, constraints, about)
-    return Problem(mesh, ring, progress=progress, **about).optimise(
+    return Problem(mesh, ring, progress=progress, ahead=True, **about).optimise(
         n_cameras, constraints, certify=certify, give_up=give_up, starts=starts, progress=progress
     )
 
@@ -123,8 +123,7 @@ min_baseline, demand
     (True, True)
     """
     _refuse_beforehand(ring, n_cameras, constraints, about)
-    # No ring maximum is wanted, so there is nothing to share.
-    return Problem(mesh, ring, workers=1, **about).certify(n_cameras, constraints, layout=layout)
+    return Problem(mesh, ring, **about).certify(n_cameras, constraints, layout=layout)
 
 
 @shows({**ABOUT, "workers": None})
@@ -177,7 +176,7 @@ face_weights, threshold, min_baseline, demand
     with refusing():
         demand = checked_demand(about)
     refuse_target(target, max_cameras, demanded(demand, limits, ring), limits)
-    return Problem(mesh, ring, progress=progress, **about).count(
+    return Problem(mesh, ring, progress=progress, ahead=True, **about).count(
         target, limits, certify=certify, max_cameras=max_cameras, progress=progress
     )
 
@@ -223,7 +222,7 @@ face_weights, threshold, min_baseline, demand
     (True, True)
     """
     _refuse_beforehand(ring, n_cameras, constraints, about)
-    return Problem(mesh, ring, progress=progress, **about).tradeoff(
+    return Problem(mesh, ring, progress=progress, ahead=True, **about).tradeoff(
         n_cameras, constraints, certify=certify, progress=progress
     )
 

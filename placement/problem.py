@@ -58,6 +58,8 @@ class Problem:
         Called with (what, done, total).
     memory : placement.search.ring_maximum.Memory, optional
         Where ring maxima evaluated before are found and new ones are kept, such as a dict that several problems share.
+    ahead : bool
+        Have other processes evaluate the ring maximum while samples are made, for who wants a layout at once.
     exclude, face_weights
         What of each mesh counts, and how much: `exclude` and `weights` of `exact.Scene`, for all meshes or one
         for each.
@@ -91,6 +93,7 @@ class Problem:
         workers: int | None = None,
         progress: Progress | None = None,
         memory: Memory | None = None,
+        ahead: bool = False,
         **asked: Any,
     ):
         refuse_unknown(asked, {*scene_keywords(), *demand_keywords(), "demand"})
@@ -109,8 +112,8 @@ class Problem:
         self._grid_sets: dict[tuple, list[tuple[np.ndarray, np.ndarray]]] = {}
         self._scorers: dict[exact.Demand, ExactScorer] = {}
         self._coverages: dict[exact.Demand, tuple[SampledCoverage, Surrogate]] = {}
-        # Other processes are at it while this one samples and searches.
-        self.ring_maximum.begin()
+        if ahead:
+            self.ring_maximum.begin()
         n_sites = len(self.sites.members)
         # Few samples of each of many sites do: what counts is their mean, or a worst site that stands out.
         few = min(self.settings.n_samples, max(self.settings.n_samples // n_sites, self.settings.least_samples))
@@ -175,7 +178,7 @@ class Problem:
         >>> [len(problem.optimise(n, certify=False).angles) for n in (2, 3)]
         [2, 3]
         """
-        return propose_layout(self, self._met(n_cameras, constraints), certify, progress, give_up, starts=starts)
+        return propose_layout(self, self._searched(n_cameras, constraints), certify, progress, give_up, starts=starts)
 
     def tradeoff(
         self,
@@ -187,7 +190,7 @@ class Problem:
     ) -> TradeOff:
         """Find what accuracy costs in area; as `placement.tradeoff`."""
         self._refuse_free_rolls("what accuracy costs")
-        return trade(self, self._met(n_cameras, constraints), certify, progress)
+        return trade(self, self._searched(n_cameras, constraints), certify, progress)
 
     def certify(self, n_cameras: int = 4, constraints: Constraints | None = None, *, layout=None) -> Certificate:
         """Bound what any layout of `n_cameras` cameras can reconstruct; as `placement.certify`."""
@@ -206,12 +209,17 @@ class Problem:
         """Find the fewest cameras that reach `target`, optimised and equidistant; as `placement.recommend_count`."""
         constraints = Constraints() if constraints is None else constraints
         numbers = refuse_target(target, max_cameras, self.demanded(constraints), constraints)
+        self.ring_maximum.begin()
         return recommend(self, target, constraints, numbers, certify, progress)
 
-    def _met(self, n_cameras: int, constraints: Constraints | None) -> LayoutSpace:
-        """The space of layouts, unless none of them meets a bound on the error anywhere."""
+    def _searched(self, n_cameras: int, constraints: Constraints | None) -> LayoutSpace:
+        """The space of layouts, unless none of them meets a bound on the error anywhere.
+
+        While this process searches it, others evaluate the ring maximum.
+        """
         space = self._space(n_cameras, constraints)
         refuse_unmet(self.profiles, self.demand, self.ring, space.n_cameras)
+        self.ring_maximum.begin()
         return space
 
     def _refuse_free_rolls(self, what: str) -> None:

@@ -59,8 +59,13 @@ def _own_cache_folder():
 
 @pytest.hookimpl(tryfirst=True)  # before any fixture
 def pytest_runtest_setup(item):
-    """Check types where `placement` itself is tested: elsewhere the same once more would take a tenth of the time."""
-    config.update("jaxtyping_disable", not item.nodeid.startswith(("placement/", "tests/placement/")))
+    """Check types where `placement` itself is tested: elsewhere the same once more would take a tenth of the time.
+
+    Nor where Hypothesis draws: beartype takes Python's own random numbers, in threads too that an earlier test has
+    left at work, and Hypothesis refuses to draw if they change meanwhile.
+    """
+    checked = item.nodeid.startswith(("placement/", "tests/placement/")) and not item.get_closest_marker("hypothesis")
+    config.update("jaxtyping_disable", not checked)
 
 
 @pytest.fixture

@@ -1,4 +1,5 @@
 import dataclasses
+import time
 
 import numpy as np
 import pytest
@@ -58,3 +59,15 @@ def test_a_placement_with_a_memory_is_the_same_as_without():
         found = placement.place(problem, 3, certify=False)
         areas.append((found.angles, found.area, found.ring_area))
     assert areas[0] == areas[1] == areas[2] and len(memory) == 1
+
+
+def test_who_wants_no_layout_waits_for_no_ring_maximum():
+    """Nor leaves processes at work on one: they would take cores from whatever the program does next."""
+    quick = placement.Settings(n_samples=500, n_angles=36, ring_cameras=16, certificate_step=0.2, certify_on="samples")
+    memory = {}
+    problem = placement.Problem(BLOCK, RING, settings=quick, workers=2, memory=memory)
+    assert problem.certify(2).proven
+    time.sleep(3)  # it takes less than one
+    assert memory == {}
+    problem.optimise(2, certify=False)
+    assert len(memory) == 1
