@@ -105,6 +105,7 @@ class Request:
             progress=progress,
             workers=workers,
             memory=RememberedAreas(),
+            ahead=True,
         )
 
 
