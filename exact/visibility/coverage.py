@@ -17,12 +17,12 @@ import numpy as np
 from exact.cameras import Camera
 from exact.demand import Criterion
 from exact.visibility.limits import Usable
-from exact.visibility.occlusion import CUT, HIDDEN, WHOLE, Sight, look, within_sight
+from exact.visibility.occlusion import CUT, HIDDEN, WHOLE, Prospect, Sight, look, prospect
 from exact.visibility.pieces.clipping import whole_faces
 from exact.visibility.pieces.pieces import HullsSeen, Pieces, cells_of, look_at_hulls, merged
 from exact.visibility.projection import project
 from exact.visibility.silhouettes import Cuts
-from exact.visibility.surface import Surface
+from exact.visibility.surface import Part, Surface
 from exact.workers import processes, shares
 
 # Cameras per block. Within a block no face is cut before all its cameras have been looked through, since most faces
@@ -69,8 +69,8 @@ class Count:
         Those that do not meet the criterion yet.
     done : tuple of Pieces
     n_repairs : int
-    within_sight : (F, M) bool or None
-        Cameras that see some of each active face, if that is known.
+    prospect : Prospect or None
+        Of which active faces each camera may see something, if that is known.
     cuts : tuple of (int, Cuts) or None
         As of a `Tally`; None if they are not kept.
     """
@@ -81,12 +81,12 @@ class Count:
     waiting: Pieces
     done: tuple[Pieces, ...]
     n_repairs: int
-    within_sight: np.ndarray | None = None
+    prospect: Prospect | None = None
     cuts: tuple[tuple[int, Cuts], ...] | None = None
 
     def possible(self, face: np.ndarray, seen: np.ndarray, coming: np.ndarray) -> np.ndarray:
         """(N, M) cameras that may see parts of faces (N,), seen by `seen` (N, M), once all `coming` (M,) are added."""
-        return seen | coming if self.within_sight is None else seen | coming & self.within_sight[face]
+        return seen | coming if self.prospect is None else seen | coming & self.prospect.possible[face]
 
     @staticmethod
     def start(active: np.ndarray, n_cameras: int, lit: Tally | None = None) -> "Count":
@@ -182,8 +182,8 @@ def _tally(
             report(len(block))
         if not count.active.any():
             break
-        if coming.sum() >= MANY and count.within_sight is None and depth_order == "exact":
-            count = replace(count, within_sight=within_sight(surface, cameras, order, coming, count.active))
+        if coming.sum() >= MANY and count.prospect is None and depth_order == "exact":
+            count = replace(count, prospect=prospect(surface, cameras, order, coming, count.active))
     return count.tally()
 
 
@@ -207,13 +207,23 @@ def _looked_through(
     uncut = np.flatnonzero(active & ~count.is_cut)
     settled = criterion.settled(whole_seen[uncut], whole_seen[uncut] | within_sight[uncut], uncut)
     active[uncut[settled]] = False
-    return Count(active, whole_seen, count.is_cut, count.waiting, count.done, n_repairs, within_sight)
+    known = Prospect(within_sight, [None] * len(cameras))
+    return Count(active, whole_seen, count.is_cut, count.waiting, count.done, n_repairs, known)
 
 
-def _look(surface: Surface, camera: Camera, active: np.ndarray, criterion: Criterion, depth_order: str) -> Sight:
-    image = project(surface, camera)
+def _look(
+    surface: Surface,
+    camera: Camera,
+    active: np.ndarray,
+    criterion: Criterion,
+    depth_order: str,
+    part: Part | None = None,
+) -> Sight:
+    """What a camera sees of the `active` faces, (F,) bool, where no more than a `part` of the surface matters."""
+    image = project(surface if part is None else part.surface, camera)
     usable = Usable(image, criterion.limits, criterion.optics) if criterion.limits.is_any else None
-    return look(image, active, depth_order, usable)
+    sight = look(image, active if part is None else active[part.face], depth_order, usable)
+    return sight if part is None else sight.of_whole(part)
 
 
 def _counted_whole(
@@ -256,15 +266,16 @@ def add_views(
     """Count the views of the cameras with the indices `block` too; `coming`, (M,) bool, are those after them."""
     active, whole_seen, is_cut = count.active, count.whole_seen.copy(), count.is_cut.copy()
     sights: list[Sight] = []
+    known = count.prospect
     for i in block:
-        asked = active if count.within_sight is None else active & count.within_sight[:, i]
-        sights.append(_look(surface, cameras[i], asked, criterion, depth_order))
+        part, asked = (None, active) if known is None else (known.parts[i], active & known.possible[:, i])
+        sights.append(_look(surface, cameras[i], asked, criterion, depth_order, part))
         # Faces that need no further view are not asked about again.
         active = _counted_whole(active & ~is_cut, whole_seen, sights[-1], i, criterion) | active & is_cut
     n_repairs = count.n_repairs + sum(sight.n_repairs for sight in sights)
     status = np.stack([sight.status for sight in sights], axis=1)
     hulls_seen = None
-    if count.within_sight is not None and len(count.waiting.face) and not criterion.by_set:  # in a long row it pays
+    if known is not None and len(count.waiting.face) and not criterion.by_set:  # in a long row it pays
         status, hulls_seen = look_at_hulls(count.waiting, sights, status)
     new = np.flatnonzero(active & ~is_cut & (status == CUT).any(axis=1))
     if criterion.bound is not None:
@@ -284,7 +295,7 @@ def add_views(
         new_cuts = ((int(i), sight.cuts.of_faces(is_cut)) for i, sight in zip(block, sights, strict=True))
         cuts = (*cuts, *new_cuts)
     done = (*count.done, finished)
-    return Count(active, whole_seen, is_cut, pieces, done, n_repairs + repairs, count.within_sight, cuts)
+    return Count(active, whole_seen, is_cut, pieces, done, n_repairs + repairs, count.prospect, cuts)
 
 
 def _refine(

@@ -134,8 +134,9 @@ class Grid:
 
     def listed(self, owner: np.ndarray, cell: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """What `touched` gives, by cell: (n * n + 1,) where each cell begins, and (P,) the shapes in this order."""
-        order = np.argsort(cell, kind="stable")
-        return np.searchsorted(cell[order], np.arange(self.n_cells + 1)), owner[order].astype(np.int32)
+        key = np.sort(cell << 32 | owner)  # far faster than to sort indices
+        first = np.append(0, np.cumsum(np.bincount(cell, minlength=self.n_cells)))
+        return first, (key & 0xFFFFFFFF).astype(np.int32)
 
     def centres(self, cell: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Image coordinates x and y of the middle of each cell."""

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from exact.visibility.close_pairs import close_pairs
+from exact.visibility.close_pairs import close_pairs, meanwhile
 
 # Two faces whose corners all lie nearer to the other's plane than this part of the coordinates' scale are in one plane.
 SAME_PLANE = 1e-9
@@ -47,6 +47,13 @@ class Intersections:
     end: np.ndarray
     is_point: np.ndarray
 
+    def of(self, number: np.ndarray) -> "Intersections":
+        """Those that cut some of the faces: those that have a number, (F,) int, and not -1, by which they go then."""
+        kept = number[self.face] >= 0
+        return Intersections(
+            number[self.face[kept]], number[self.other[kept]], self.start[kept], self.end[kept], self.is_point[kept]
+        )
+
 
 @dataclass(frozen=True, eq=False)
 class Planes:
@@ -80,6 +87,10 @@ class Planes:
         centred = vertices - centre
         offset = (normals * centred[faces[:, 0]]).sum(axis=1)
         return cls(centre, centred, faces, normals, offset, float(np.abs(centred).max()))
+
+    def of_faces(self, face: np.ndarray, faces: np.ndarray, vertex: np.ndarray) -> "Planes":
+        """Those of some faces (K,) and vertices (W,) alone, where these go by the numbers in `faces` (K, 3)."""
+        return Planes(self.centre, self.vertices[vertex], faces, self.normal[face], self.offset[face], self.scale)
 
     def distances(self, plane: np.ndarray, face: np.ndarray) -> np.ndarray:
         """(N, 3) distance of the corners of `face` from the plane of another, 0 where they touch it [mm]."""
@@ -142,17 +153,19 @@ def _straddling(planes: Planes, edge_faces: np.ndarray, margin: float):
     vertices, faces = planes.vertices, planes.faces
     kept = np.flatnonzero(planes.normal.any(axis=1))
     sheet = _flat_sheets(planes, edge_faces)
-    pairs = [np.zeros(0, dtype=np.int64)]
-    for one, two in close_pairs(vertices[faces[kept]], margin, sheet[kept]):
-        one, two = kept[one], kept[two]
+
+    def straddling(close: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
+        one, two = (kept[which] for which in close)
         shared = _n_shared(faces, one, two)
         apart = shared < 2
         one, two, shared = one[apart], two[apart], shared[apart]
         for _ in range(2):  # few pairs are left for the second
             straddles = planes.straddled(two, one, shared)
             one, two, shared = two[straddles], one[straddles], shared[straddles]
-        pairs.append((one * len(faces) + two)[~planes.coincide(one, two)])
-    pair = np.unique(np.concatenate(pairs))
+        return (one * len(faces) + two)[~planes.coincide(one, two)]
+
+    close = close_pairs(vertices[faces[kept]], margin, sheet[kept])
+    pair = np.unique(np.concatenate([np.zeros(0, dtype=np.int64), *meanwhile(straddling, close)]))
     one, two = pair // len(faces), pair % len(faces)
     return one, two, _n_shared(faces, one, two)
 
@@ -160,9 +173,10 @@ def _straddling(planes: Planes, edge_faces: np.ndarray, margin: float):
 def _n_shared(faces: np.ndarray, one: np.ndarray, two: np.ndarray) -> np.ndarray:
     """(N,) how many vertices two faces share."""
     n_shared = np.zeros(len(one), dtype=np.int8)
-    for i in range(3):
-        for j in range(3):
-            n_shared += faces[one, i] == faces[two, j]
+    columns = [[faces[which, k] for k in range(3)] for which in (one, two)]
+    for of_one in columns[0]:
+        for of_two in columns[1]:
+            n_shared += of_one == of_two
     return n_shared
 
 

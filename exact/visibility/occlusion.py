@@ -24,7 +24,7 @@ from exact.visibility.projection import Image, project
 from exact.visibility.screen import SMALLEST_IMAGE, Screen, seen_from_outside, twice_areas
 from exact.visibility.sight_depth import Depths, cell_centres_in, sight_depth
 from exact.visibility.silhouettes import Cuts, crossings
-from exact.visibility.surface import Surface
+from exact.visibility.surface import Part, Surface
 
 HIDDEN, WHOLE, CUT = 0, 1, 2
 
@@ -54,6 +54,8 @@ class Sight:
         Patches whose faces did not agree and were asked one by one.
     usable : Usable or None
         What limits leave of its views.
+    number : (F,) int or None
+        By which numbers `screen` and `usable` know the faces, if not their own.
     """
 
     screen: Screen
@@ -62,13 +64,41 @@ class Sight:
     on_grid: np.ndarray
     n_repairs: int
     usable: Usable | None = None
+    number: np.ndarray | None = None
 
     def sees(self, face: np.ndarray, inner: np.ndarray) -> np.ndarray:
         """(N,) whether the camera sees points given by face and face coordinates (N, 2), and its view is usable."""
+        if self.number is not None:
+            face = self.number[face]
         seen = self.screen.sees(face, inner)
         if self.usable is not None:
             seen[seen] = self.usable.sees(face[seen], inner[seen])
         return seen
+
+    def of_whole(self, part: Part) -> "Sight":
+        """The same of the whole surface, if this is of a part of it: nothing is seen of other faces."""
+        status, on_grid = np.zeros(len(part.number), dtype=np.int8), np.zeros(len(part.number), dtype=bool)
+        status[part.face], on_grid[part.face] = self.status, self.on_grid
+        cuts = self.cuts
+        source = np.where(cuts.source >= 0, part.vertex[np.maximum(cuts.source, 0)], cuts.source)
+        cuts = Cuts(part.face[cuts.face], cuts.start, cuts.end, source)
+        return replace(self, status=status, on_grid=on_grid, cuts=cuts, number=part.number)
+
+
+@dataclass(frozen=True, eq=False)
+class Prospect:
+    """What cameras that are still to come may see.
+
+    Attributes
+    ----------
+    possible : (F, M) bool
+        Of which faces each may see something.
+    parts : (M,) list of Part or None
+        The part of the surface that can hide something of these from each; None for all of it.
+    """
+
+    possible: np.ndarray
+    parts: list[Part | None]
 
 
 def look(image: Image, active: np.ndarray, depth_order: str = "exact", usable: Usable | None = None) -> Sight:
@@ -100,10 +130,10 @@ def look(image: Image, active: np.ndarray, depth_order: str = "exact", usable: U
     return Sight(screen, status, cuts, on_grid, n_repairs, usable)
 
 
-def within_sight(
+def prospect(
     surface: Surface, cameras: Sequence[Camera], order: np.ndarray, coming: np.ndarray, active: np.ndarray
-) -> np.ndarray:
-    """(F, M) which of the cameras `coming`, (M,) bool, may see some of each of the `active` faces, (F,) bool.
+) -> Prospect:
+    """What the cameras `coming`, (M,) bool, may see of the `active` faces, (F,) bool.
 
     Those about each of the first ones in `order`, (M,) int, which are spread, are looked at together.
     """
@@ -113,26 +143,36 @@ def within_sight(
     _, extent, axes = np.linalg.svd(away, full_matrices=False)
     if len(extent) == 3 and extent[2] <= SAME_HEIGHT * extent[0]:  # they are in one plane
         look = axes[2] * np.sign(axes[2] @ look)
+    found = Prospect(active[:, None] & coming, [None] * len(cameras))
     if np.linalg.norm(look) < 0.1:  # some look the other way
-        return active[:, None] & coming
+        return found
     rotation = Camera.look_at((0, 0, 0), look, up=np.eye(3)[int(np.argmin(np.abs(look)))]).rotation
     step = SAME_HEIGHT * cameras[0].target_distance
     _, height = np.unique(np.round(away @ rotation[2] / step), return_inverse=True)
     nearest = np.linalg.norm(position[:, None] - position[order[:ARCS]], axis=2).argmin(axis=1)
     group = height * ARCS + nearest
-    possible = active[:, None] & coming
     for number in np.unique(group[coming]):
         members = np.flatnonzero(coming & (group == number))
-        if len(members) >= FEWEST:
-            hidden = _out_of_sight(surface, [cameras[int(i)] for i in members], rotation, active)
-            possible[np.ix_(hidden, members)] = False
-    return possible
+        if len(members) < FEWEST:
+            continue
+        seen_and_matters = _in_sight(surface, [cameras[int(i)] for i in members], rotation, active)
+        if seen_and_matters is not None:
+            may_be_seen, matters = seen_and_matters
+            found.possible[np.ix_(~may_be_seen, members)] = False
+            part = surface.part(matters)
+            for i in members:
+                found.parts[i] = part
+    return found
 
 
-def _out_of_sight(surface: Surface, cameras: Sequence[Camera], rotation: np.ndarray, active: np.ndarray) -> np.ndarray:
-    """(F,) which of the `active` faces surely none of several cameras near each other sees; there may be more.
+def _in_sight(
+    surface: Surface, cameras: Sequence[Camera], rotation: np.ndarray, active: np.ndarray
+) -> tuple[np.ndarray, np.ndarray] | None:
+    """Which of the `active` faces some of several cameras near each other may see, and which faces matter to that.
 
-    They turn their backs to all of them, or lie so deep in shadow that the way between the cameras does not matter.
+    (F,), (F,) bool: the latter are those and all that can hide some of them. None if it can't be told.
+
+    Others turn their backs to all of them, or lie so deep in shadow that the way between the cameras does not matter.
     All cameras are in one plane, along which a camera of this `rotation` looks at right angles. If each image is moved
     so that one point stays in place, points and their images move in proportion on a straight way from one camera to
     another, depths stay, and so does the side of a face that both see. So a sheet that covers the middle of a cell for
@@ -147,7 +187,7 @@ def _out_of_sight(surface: Surface, cameras: Sequence[Camera], rotation: np.ndar
         image = project(surface, replace(camera, rotation=rotation))
         across, down, ahead = rotation @ (fixed - camera.position)
         if image.frame is not None or not np.isfinite(image.x).all() or ahead <= 0:  # some of it is not ahead
-            return np.zeros_like(active)
+            return None
         outside = outside and seen_from_outside(image)
         ever |= image.front
         always &= image.front
@@ -180,9 +220,15 @@ def _out_of_sight(surface: Surface, cameras: Sequence[Camera], rotation: np.ndar
         cell_centres_in(grid, owner, cell, x, y, twice_area / np.maximum(longest, SMALLEST_IMAGE) ** 2),
         (end_cell, depths.near(high[2, edges].max(axis=1))[end], depths.far(low[2, edges].min(axis=1))[end]),
     )
-    may_be_seen = np.zeros_like(active)
-    may_be_seen[triangle[owner[steps[owner] >= limit[cell]]]] = True
-    return active & ~(ever & may_be_seen)
+    in_sight = steps[owner] >= limit[cell]
+    may_be_seen, matters = np.zeros((2, len(active)), dtype=bool)
+    may_be_seen[triangle[owner[in_sight]]] = True
+    may_be_seen &= active & ever
+    # What hides such a face somewhere is in sight there, or a sheet that is in sight hides it there too.
+    there = np.zeros(grid.n_cells, dtype=bool)
+    there[cell[may_be_seen[triangle[owner]]]] = True
+    matters[triangle[owner[in_sight & there[cell]]]] = True
+    return may_be_seen, matters
 
 
 def _rectangles(box: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -14,8 +14,10 @@ import numpy as np
 
 from exact.visibility.grid import Grid
 
-# Steps in which depths are counted, from the farthest to the nearest.
-STEPS = 1 << 24
+# Depths are counted in steps from the farthest to the nearest, in numbers of so many bits.
+BITS = 20
+LAST = (1 << BITS) - 1
+STEPS = LAST - 2
 # Faces that differ less in depth (relatively) may be in one plane, where neither hides the other.
 SAME_DEPTH = 1e-7
 # Only triangles at least this thick (in parts of their longest side) are sure to cover what they seem to cover.
@@ -42,12 +44,12 @@ class Depths:
     def near(self, inverse_depth: np.ndarray) -> np.ndarray:
         """(N,) int64, not less than what they stand for, and by `SAME_DEPTH` nearer."""
         steps = np.ceil((inverse_depth * (1 + SAME_DEPTH) - self.low) * self.scale) + 1
-        return np.clip(steps, 1, STEPS + 2).astype(np.int64)
+        return np.clip(steps, 1, LAST).astype(np.int64)
 
     def far(self, inverse_depth: np.ndarray) -> np.ndarray:
         """(N,) int64, not greater than what they stand for."""
         steps = np.floor((inverse_depth - self.low) * self.scale)
-        return np.clip(steps, 0, STEPS + 2).astype(np.int64)
+        return np.clip(steps, 0, LAST).astype(np.int64)
 
 
 def sight_depth(
@@ -83,16 +85,17 @@ def sight_depth(
     array([4])
     """
     limit = np.zeros(n_cells, dtype=np.int64)
-    cell, near, far = (np.concatenate(values) for values in zip(sheets, ends, strict=True))
-    if not len(cell):
+    if not len(covers) + len(ends[0]):
         return limit
-    is_end = np.arange(len(cell)) >= len(covers)
-    covers = np.append(covers, np.zeros(len(cell) - len(covers), dtype=bool))
-    room = STEPS + 4
-    order = np.argsort(cell * room + (STEPS + 3 - near))
-    cell, near, far, covers, is_end = cell[order], near[order], far[order], covers[order], is_end[order]
+    # All about one of them in one number, the cell first and then the nearest: numbers are sorted far faster than
+    # indices.
+    marks = np.concatenate([covers.astype(np.int64), np.full(len(ends[0]), 2)])
+    cell, near, far = (np.concatenate(values) for values in zip(sheets, ends, strict=True))
+    key = np.sort((((cell << BITS | LAST - near) << BITS | far) << 2) | marks)
+    covers, is_end, far = (key & 1).astype(bool), (key & 2).astype(bool), key >> 2 & LAST
+    near, cell = LAST - (key >> BITS + 2 & LAST), key >> 2 * BITS + 2
     # The farthest so far in each cell: the numbers of a later cell are all less than those of one before.
-    farthest = np.minimum.accumulate(far - cell * room) + cell * room
+    farthest = np.minimum.accumulate(far - (cell << BITS)) + (cell << BITS)
     begins = np.ones(len(cell), dtype=bool)
     begins[1:] = (cell[1:] != cell[:-1]) | (near[1:] < farthest[:-1])
     start = np.flatnonzero(begins)

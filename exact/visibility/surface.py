@@ -95,6 +95,30 @@ class Surface:
         """(2, 3) least and greatest coordinates [mm]."""
         return np.stack([self.vertices.min(axis=0), self.vertices.max(axis=0)])
 
+    def part(self, matters: np.ndarray) -> "Part":
+        """What is left of it where only some faces matter, (F,) bool: these and their neighbours, with their edges.
+
+        What only depends on the whole, as whether it is solid, is that of the whole.
+        """
+        inner, loose = matters[self.edge_faces].any(axis=1), matters[self.loose_edge_faces]
+        kept = matters.copy()
+        kept[self.edge_faces[inner]] = True
+        face = np.flatnonzero(kept)
+        vertex, corner = np.unique(self.faces[face], return_inverse=True)
+        of_face, of_vertex = np.full(len(self.faces), -1), np.full(len(self.vertices), -1)
+        of_face[face], of_vertex[vertex] = np.arange(len(face)), np.arange(len(vertex))
+        faces = corner.reshape(-1, 3)
+        surface = Surface(
+            self.vertices[vertex], faces, self.areas[face], self.normals[face],
+            of_vertex[self.edges[inner]], of_face[self.edge_faces[inner]], self.edge_is_concave[inner],
+            of_vertex[self.loose_edges[loose]], of_face[self.loose_edge_faces[loose]], self.shell[face], self.closed,
+        )  # fmt: skip
+        own = self.intersections.of(of_face)
+        vars(surface).update(
+            planes=self.planes.of_faces(face, faces, vertex), intersections=own, solid=self.solid, bounds=self.bounds
+        )
+        return Part(surface, face, vertex, of_face)
+
     def points(self, face: np.ndarray, inner: np.ndarray) -> np.ndarray:
         """World points of face coordinates.
 
@@ -111,6 +135,26 @@ class Surface:
         corner = self.vertices[self.faces[face]]
         along = inner[:, :1] * (corner[:, 1] - corner[:, 0]) + inner[:, 1:] * (corner[:, 2] - corner[:, 0])
         return corner[:, 0] + along
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """A part of a surface, and which faces and vertices of the whole its own are.
+
+    Attributes
+    ----------
+    surface : Surface
+    face : (K,) int
+        Ascending.
+    vertex : (W,) int
+    number : (F,) int
+        Of each face of the whole that of the part's own, -1 for others.
+    """
+
+    surface: Surface
+    face: np.ndarray
+    vertex: np.ndarray
+    number: np.ndarray
 
 
 def prepare(mesh: "trimesh.Trimesh") -> Surface:

@@ -116,21 +116,22 @@ def test_what_a_sheet_hides_changes_no_area():
     assert exact.evaluate(below, cameras()).area > 0
 
 
-def under_a_slit():
-    """A floor of many faces under two plates, of which each camera sees a strip, and no two the same."""
-    floor = trimesh.creation.box((30, 30, 1))
-    for _ in range(3):
-        floor = floor.subdivide()
-    plates = [trimesh.creation.box((14.8, 40, 1)).apply_translation((x, 0, 15)) for x in (-7.5, 7.5)]
-    return together(floor, *plates)
+def under_a_slit(of_floor=3, of_plates=0):
+    """A floor under two plates, of which each camera sees a strip, and no two the same; halved so many times."""
+    boxes = [trimesh.creation.box((30, 30, 1)), trimesh.creation.box((14.8, 40, 1)), trimesh.creation.box((14.8, 40, 1))]
+    for box, n, place in zip(boxes, (of_floor, of_plates, of_plates), (0, -7.5, 7.5), strict=True):
+        for _ in range(n):
+            box = box.subdivide()
+        yield box.apply_translation((place, 0, 15 if place else 0))
 
 
 NEIGHBOURS = {
     "channel": (lambda: KINDS["channel"](600), RING.cameras(RING.equidistant(60))),
     "brain": (lambda: KINDS["brain"](300), RING.cameras(RING.equidistant(60))),
-    "slit": (under_a_slit, RING.cameras(RING.equidistant(60))),
+    "slit": (lambda: together(*under_a_slit()), RING.cameras(RING.equidistant(60))),
+    "slit in small faces": (lambda: together(*under_a_slit(0, 3)), RING.cameras(RING.equidistant(60))),
     "slit, wide and narrow ring": (
-        under_a_slit,
+        lambda: together(*under_a_slit()),
         [
             *exact.Ring(diameter=160, working_distance=250).cameras(RING.equidistant(30)),
             *exact.Ring(diameter=8).cameras(RING.equidistant(30)),
