@@ -118,8 +118,12 @@ def test_what_a_sheet_hides_changes_no_area():
 
 def under_a_slit(of_floor=3, of_plates=0):
     """A floor under two plates, of which each camera sees a strip, and no two the same; halved so many times."""
-    boxes = [trimesh.creation.box((30, 30, 1)), trimesh.creation.box((14.8, 40, 1)), trimesh.creation.box((14.8, 40, 1))]
-    for box, n, place in zip(boxes, (of_floor, of_plates, of_plates), (0, -7.5, 7.5), strict=True):
+    for size, place, n in (
+        ((30, 30, 1), 0, of_floor),
+        ((14.8, 40, 1), -7.5, of_plates),
+        ((14.8, 40, 1), 7.5, of_plates),
+    ):
+        box = trimesh.creation.box(size)
         for _ in range(n):
             box = box.subdivide()
         yield box.apply_translation((place, 0, 15 if place else 0))
