@@ -161,3 +161,14 @@ def test_many_neighbouring_cameras_see_what_each_sees_alone(scene):
     for threshold in (1, 2, 4):
         area = exact.evaluate(mesh, cameras, threshold=threshold).area
         assert area == pytest.approx(sets.area(threshold=threshold), rel=1e-10)
+
+
+def test_many_neighbouring_cameras_with_a_limit_see_what_each_sees_alone():
+    mesh, ring = KINDS["brain"](300), RING.cameras(RING.equidistant(57))
+    limits = exact.Limits(max_incidence=np.radians(50.0))
+    sets = exact.view_sets(mesh, ring, limits=limits)
+    alone = [exact.view(mesh, camera, limits=limits).area for camera in ring]
+    assert sets.areas @ sets.seen == pytest.approx(alone, rel=1e-9)
+    assert max(alone) < 0.9 * exact.view(mesh, ring[0]).area
+    area = exact.evaluate(mesh, ring, limits=limits).area
+    assert area == pytest.approx(sets.area(), rel=1e-10)

@@ -7,6 +7,7 @@ import pytest
 import trimesh
 
 import exact
+from experiments.bench.generated_meshes import KINDS
 from tests.support.scenes import AWKWARD, above, rectangle, together
 
 RING = exact.Ring(diameter=60.0, working_distance=120.0, fov=(30.0, 22.0))
@@ -269,3 +270,17 @@ def test_one_more_camera_alone():
         assert np.allclose(getattr(alone, name), getattr(whole, name)[3:], rtol=1e-10, atol=1e-9)
     with pytest.raises(exact.ExactError, match="leave max_error out"):
         exact.OneMore(BLOCK, cameras[:1], max_error=0.1).gradient(cameras[1])
+
+
+def test_one_camera_of_many_neighbours():
+    """Which look at a part of the surface only; one more camera by itself looks at all of it."""
+    mesh, cameras = KINDS["brain"](300), RING.cameras(np.sort(np.random.default_rng(0).uniform(0, 6.28, 57)))
+    whole = exact.gradient(mesh, cameras, threshold=20)
+    size = np.abs(whole.position).max(axis=1)
+    for k in np.argsort(size)[-3:].tolist():
+        alone = exact.OneMore(mesh, [*cameras[:k], *cameras[k + 1 :]], threshold=20)
+        area, derivative = alone.gradient(cameras[k])
+        assert area == pytest.approx(whole.area, rel=1e-12)
+        assert size[k] > 1e-3
+        for name in FREE:
+            assert np.allclose(getattr(derivative, name)[0], getattr(whole, name)[k], rtol=1e-8, atol=1e-8)
