@@ -178,7 +178,7 @@ class Problem:
         >>> [len(problem.optimise(n, certify=False).angles) for n in (2, 3)]
         [2, 3]
         """
-        return propose_layout(self, self._searched(n_cameras, constraints), certify, progress, give_up, starts=starts)
+        return propose_layout(self, self._met(n_cameras, constraints), certify, progress, give_up, starts=starts)
 
     def tradeoff(
         self,
@@ -190,7 +190,7 @@ class Problem:
     ) -> TradeOff:
         """Find what accuracy costs in area; as `placement.tradeoff`."""
         self._refuse_free_rolls("what accuracy costs")
-        return trade(self, self._searched(n_cameras, constraints), certify, progress)
+        return trade(self, self._met(n_cameras, constraints), certify, progress)
 
     def certify(self, n_cameras: int = 4, constraints: Constraints | None = None, *, layout=None) -> Certificate:
         """Bound what any layout of `n_cameras` cameras can reconstruct; as `placement.certify`."""
@@ -209,17 +209,12 @@ class Problem:
         """Find the fewest cameras that reach `target`, optimised and equidistant; as `placement.recommend_count`."""
         constraints = Constraints() if constraints is None else constraints
         numbers = refuse_target(target, max_cameras, self.demanded(constraints), constraints)
-        self.ring_maximum.begin()
         return recommend(self, target, constraints, numbers, certify, progress)
 
-    def _searched(self, n_cameras: int, constraints: Constraints | None) -> LayoutSpace:
-        """The space of layouts, unless none of them meets a bound on the error anywhere.
-
-        While this process searches it, others evaluate the ring maximum.
-        """
+    def _met(self, n_cameras: int, constraints: Constraints | None) -> LayoutSpace:
+        """The space of layouts, unless none of them meets a bound on the error anywhere."""
         space = self._space(n_cameras, constraints)
         refuse_unmet(self.profiles, self.demand, self.ring, space.n_cameras)
-        self.ring_maximum.begin()
         return space
 
     def _refuse_free_rolls(self, what: str) -> None:

@@ -4,9 +4,7 @@ A long, thin face that lies aslant is taken in several pieces along its length: 
 as the face, while the box of the whole would hold thousands of others.
 """
 
-from collections import deque
-from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -18,8 +16,6 @@ PIECES = 6
 SLENDER = 4.0
 # Pairs of boxes that are looked at in one go: few enough for caches to hold, many enough for numpy.
 PAIRS = 250_000
-# Blocks of pairs that wait to be looked at, at most.
-WAITING = 4
 # Cells along each axis by which boxes are put in order: two to this power.
 ORDER_BITS = 16
 
@@ -70,21 +66,6 @@ def close_pairs(corners: np.ndarray, margin: float, sheet: np.ndarray) -> Iterat
             differ = first != second
             first, second = first[differ], second[differ]
             yield np.minimum(first, second), np.maximum(first, second)
-
-
-def meanwhile(function: Callable, blocks: Iterable) -> Iterator:
-    """What a function gives for each block, worked out in a thread while the next block is made.
-
-    Numpy lets go of Python while it works. No more than a few blocks wait, so that memory holds them.
-    """
-    with ThreadPoolExecutor(1) as thread:
-        waiting = deque()
-        for block in blocks:
-            waiting.append(thread.submit(function, block))
-            if len(waiting) > WAITING:
-                yield waiting.popleft().result()
-        while waiting:
-            yield waiting.popleft().result()
 
 
 class _Level:

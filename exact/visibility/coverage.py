@@ -207,7 +207,7 @@ def _looked_through(
     uncut = np.flatnonzero(active & ~count.is_cut)
     settled = criterion.settled(whole_seen[uncut], whole_seen[uncut] | within_sight[uncut], uncut)
     active[uncut[settled]] = False
-    known = Prospect(within_sight, [None] * len(cameras))
+    known = Prospect(within_sight, {})
     return Count(active, whole_seen, count.is_cut, count.waiting, count.done, n_repairs, known)
 
 
@@ -220,10 +220,11 @@ def _look(
     part: Part | None = None,
 ) -> Sight:
     """What a camera sees of the `active` faces, (F,) bool, where no more than a `part` of the surface matters."""
-    image = project(surface if part is None else part.surface, camera)
+    if part is not None:
+        return _look(part.surface, camera, active[part.face], criterion, depth_order).of_whole(part)
+    image = project(surface, camera)
     usable = Usable(image, criterion.limits, criterion.optics) if criterion.limits.is_any else None
-    sight = look(image, active if part is None else active[part.face], depth_order, usable)
-    return sight if part is None else sight.of_whole(part)
+    return look(image, active, depth_order, usable)
 
 
 def _counted_whole(
@@ -268,7 +269,7 @@ def add_views(
     sights: list[Sight] = []
     known = count.prospect
     for i in block:
-        part, asked = (None, active) if known is None else (known.parts[i], active & known.possible[:, i])
+        part, asked = (None, active) if known is None else (known.parts.get(int(i)), active & known.possible[:, i])
         sights.append(_look(surface, cameras[i], asked, criterion, depth_order, part))
         # Faces that need no further view are not asked about again.
         active = _counted_whole(active & ~is_cut, whole_seen, sights[-1], i, criterion) | active & is_cut

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from exact.visibility.close_pairs import close_pairs, meanwhile
+from exact.visibility.close_pairs import close_pairs
 
 # Two faces whose corners all lie nearer to the other's plane than this part of the coordinates' scale are in one plane.
 SAME_PLANE = 1e-9
@@ -153,19 +153,17 @@ def _straddling(planes: Planes, edge_faces: np.ndarray, margin: float):
     vertices, faces = planes.vertices, planes.faces
     kept = np.flatnonzero(planes.normal.any(axis=1))
     sheet = _flat_sheets(planes, edge_faces)
-
-    def straddling(close: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
-        one, two = (kept[which] for which in close)
+    pairs = [np.zeros(0, dtype=np.int64)]
+    for one, two in close_pairs(vertices[faces[kept]], margin, sheet[kept]):
+        one, two = kept[one], kept[two]
         shared = _n_shared(faces, one, two)
         apart = shared < 2
         one, two, shared = one[apart], two[apart], shared[apart]
         for _ in range(2):  # few pairs are left for the second
             straddles = planes.straddled(two, one, shared)
             one, two, shared = two[straddles], one[straddles], shared[straddles]
-        return (one * len(faces) + two)[~planes.coincide(one, two)]
-
-    close = close_pairs(vertices[faces[kept]], margin, sheet[kept])
-    pair = np.unique(np.concatenate([np.zeros(0, dtype=np.int64), *meanwhile(straddling, close)]))
+        pairs.append((one * len(faces) + two)[~planes.coincide(one, two)])
+    pair = np.unique(np.concatenate(pairs))
     one, two = pair // len(faces), pair % len(faces)
     return one, two, _n_shared(faces, one, two)
 

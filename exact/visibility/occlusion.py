@@ -93,12 +93,12 @@ class Prospect:
     ----------
     possible : (F, M) bool
         Of which faces each may see something.
-    parts : (M,) list of Part or None
-        The part of the surface that can hide something of these from each; None for all of it.
+    parts : dict of Part, by int
+        The part of the surface that matters to each, where no more than a part does.
     """
 
     possible: np.ndarray
-    parts: list[Part | None]
+    parts: dict[int, Part]
 
 
 def look(image: Image, active: np.ndarray, depth_order: str = "exact", usable: Usable | None = None) -> Sight:
@@ -143,7 +143,7 @@ def prospect(
     _, extent, axes = np.linalg.svd(away, full_matrices=False)
     if len(extent) == 3 and extent[2] <= SAME_HEIGHT * extent[0]:  # they are in one plane
         look = axes[2] * np.sign(axes[2] @ look)
-    found = Prospect(active[:, None] & coming, [None] * len(cameras))
+    found = Prospect(active[:, None] & coming, {})
     if np.linalg.norm(look) < 0.1:  # some look the other way
         return found
     rotation = Camera.look_at((0, 0, 0), look, up=np.eye(3)[int(np.argmin(np.abs(look)))]).rotation
@@ -159,9 +159,7 @@ def prospect(
         if seen_and_matters is not None:
             may_be_seen, matters = seen_and_matters
             found.possible[np.ix_(~may_be_seen, members)] = False
-            part = surface.part(matters)
-            for i in members:
-                found.parts[i] = part
+            found.parts.update(dict.fromkeys(members.tolist(), surface.part(matters)))
     return found
 
 

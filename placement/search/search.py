@@ -32,6 +32,7 @@ def search(
     `known` are layouts to start from beside those of the settings. The best found without them come by themselves too:
     layouts with one camera more than a good one, wherever it sits, would leave no room for any other.
     """
+    problem.ring_maximum.begin()  # other processes are at it while this one searches
     if space.n_free == 0:
         return [np.array(space.constraints.fixed)], [], dict(n_starts=0, n_failed=0, n_flat=0, n_distinct=1)
     settings, (coverage, surrogate) = problem.settings, problem.coverage(space.constraints)

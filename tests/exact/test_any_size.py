@@ -118,24 +118,21 @@ def test_what_a_sheet_hides_changes_no_area():
 
 def under_a_slit(of_floor=3, of_plates=0):
     """A floor under two plates, of which each camera sees a strip, and no two the same; halved so many times."""
-    for size, place, n in (
-        ((30, 30, 1), 0, of_floor),
-        ((14.8, 40, 1), -7.5, of_plates),
-        ((14.8, 40, 1), 7.5, of_plates),
-    ):
-        box = trimesh.creation.box(size)
-        for _ in range(n):
-            box = box.subdivide()
-        yield box.apply_translation((place, 0, 15 if place else 0))
+    floor, plate = trimesh.creation.box((30, 30, 1)), trimesh.creation.box((14.8, 40, 1))
+    for _ in range(of_floor):
+        floor = floor.subdivide()
+    for _ in range(of_plates):
+        plate = plate.subdivide()
+    return together(floor, *(plate.copy().apply_translation((x, 0, 15)) for x in (-7.5, 7.5)))
 
 
 NEIGHBOURS = {
     "channel": (lambda: KINDS["channel"](600), RING.cameras(RING.equidistant(60))),
     "brain": (lambda: KINDS["brain"](300), RING.cameras(RING.equidistant(60))),
-    "slit": (lambda: together(*under_a_slit()), RING.cameras(RING.equidistant(60))),
-    "slit in small faces": (lambda: together(*under_a_slit(0, 3)), RING.cameras(RING.equidistant(60))),
+    "slit": (under_a_slit, RING.cameras(RING.equidistant(60))),
+    "slit in small faces": (lambda: under_a_slit(0, 3), RING.cameras(RING.equidistant(60))),
     "slit, wide and narrow ring": (
-        lambda: together(*under_a_slit()),
+        under_a_slit,
         [
             *exact.Ring(diameter=160, working_distance=250).cameras(RING.equidistant(30)),
             *exact.Ring(diameter=8).cameras(RING.equidistant(30)),
