@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from exact.cameras import Camera
-from exact.demand import Demand, every_view
+from exact.demand import Criterion, Demand, every_view
 from exact.errors import ExactError
 from exact.predicted.errors import Errors, errors_over
 from exact.predicted.reconstructed import area_by_face, reconstructed
@@ -76,6 +76,24 @@ class Reconstruction:
     def level_areas(self) -> np.ndarray:
         """(threshold,) area seen by at least 1, 2, .. `threshold` cameras [mm²], weighted like `area`."""
         return self.scene.worth(self.level_face_areas)
+
+    @property
+    def camera_areas(self) -> np.ndarray:
+        """(M,) area that each camera sees, within the limits of the demand [mm²], weighted like `area`.
+
+        What counts for each by itself, whatever the others see. At no cost after `evaluate(…, all_views=True)`, which
+        has looked from every camera at everything; otherwise each camera looks once more.
+        """
+        scene, seen = self.scene, self._tally
+        if self._has_all_views:
+            whole, columns = ~seen.is_cut & scene.counted, zip(seen.whole_seen.T, seen.pieces.seen.T, strict=True)
+            parts = [(whole & of_faces, seen.pieces.take(of_pieces)) for of_faces, of_pieces in columns]
+        else:
+            one = Criterion(1, limits=self.demand.limits, optics=self.demand.optics)
+            asked = (one, scene.counted, 1, None, "exact", scene.lit)
+            of_each = (tally(scene.surface, [camera], *asked) for camera in self._cameras)
+            parts = [reconstructed(scene.surface, scene.counted, found, one) for found in of_each]
+        return np.array([scene.worth(area_by_face(scene.surface, *part)) for part in parts])
 
     @property
     def words(self) -> str:

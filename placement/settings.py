@@ -7,8 +7,9 @@ import numpy as np
 
 from placement.errors import PlacementError
 
-# Leading candidates that are scored exactly on large meshes.
+# On large meshes: leading candidates that are scored exactly, and cameras of the ring maximum.
 FEW = 2
+FEW_ON_RING = 72
 
 
 @dataclass(frozen=True)
@@ -61,7 +62,8 @@ class Settings:
         Equidistant cameras whose exact area is the ring maximum.
     most_faces : int
         Beyond so many faces, of all sites together, `FEW` of the leading candidates and one phase are scored exactly,
-        and none is moved to a local optimum: each exact area takes many seconds there.
+        none is moved to a local optimum, and the ring maximum is that of `FEW_ON_RING` cameras at most: each exact
+        area takes many seconds there, and each camera seconds.
 
     Examples
     --------
@@ -123,13 +125,14 @@ class Settings:
             raise PlacementError("settings: polish_steps must be positive and distinct_tolerance not negative [rad]")
 
     def for_faces(self, n_faces: int) -> "Settings":
-        """The same, or with fewer exact areas if there are more than `most_faces`.
+        """The same, or with fewer exact areas, and of fewer cameras, if there are more than `most_faces`.
 
         Examples
         --------
-        >>> Settings().for_faces(100_000) == Settings(), Settings().for_faces(1_000_000).polish_steps
-        (True, ())
+        >>> Settings().for_faces(100_000) == Settings(), Settings().for_faces(1_000_000).ring_cameras
+        (True, 72)
         """
         if n_faces <= self.most_faces:
             return self
-        return replace(self, exact_candidates=min(FEW, self.exact_candidates), exact_phases=1, polish_steps=())
+        few, on_ring = min(FEW, self.exact_candidates), min(FEW_ON_RING, self.ring_cameras)
+        return replace(self, exact_candidates=few, exact_phases=1, polish_steps=(), ring_cameras=on_ring)

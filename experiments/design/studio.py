@@ -105,7 +105,7 @@ class Studio:
             "settings": [setting.described(self._first) for setting in SETTINGS.values()],
             "faces": self._asked.poses[0].scene.n_faces,
             "give_up": self._asked.rig.give_up,
-            "ring_cameras": self._asked.rig.settings.ring_cameras,
+            "ring_cameras": self._asked.settings.ring_cameras,
         }
         window.put("hello", _text("hello", hello))
         window.put("history", _text("history", self._session.tried()))

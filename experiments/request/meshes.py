@@ -127,10 +127,12 @@ def subject(
             note(f"{kind}: {name}: {'; '.join(words)}")
     for words in about.warnings:
         note(f"warning: {words}")
-    if len(mesh.faces) > placement.Settings().most_faces:
+    few = placement.Settings().for_faces(len(mesh.faces))
+    if few != placement.Settings():
         note(
             f"note: {name}: {len(mesh.faces)} faces; one layout of eight cameras takes {forecast(len(mesh.faces))}; a "
-            "search scores few layouts exactly and polishes none (most_faces among the settings of a rig file)"
+            f"search scores few layouts exactly, polishes none and takes {few.ring_cameras} cameras for the ring "
+            "maximum (most_faces among the settings of a rig file)"
         )
     return about
 

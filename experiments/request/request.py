@@ -82,6 +82,11 @@ class Request:
         """What makes a point count, with the baseline that the constraints ask for."""
         return on_ring(demanded(self.rig.demand, self.rig.constraints, self.ring), self.ring)
 
+    @property
+    def settings(self) -> placement.Settings:
+        """Of the search, as they are for so many faces."""
+        return self.rig.settings.for_faces(sum(pose.scene.n_faces for pose in self.poses))
+
     def check_cameras(self, n_cameras: int) -> None:
         """Refuse a number of cameras that cannot meet the constraints, before anything is computed.
 
@@ -98,7 +103,7 @@ class Request:
             [pose.scene for pose in self.poses],
             self.ring,
             demand=self.rig.demand,
-            settings=self.rig.settings,
+            settings=self.settings,
             seed=self.rig.seed,
             site_weights=[pose.weight for pose in self.poses],
             objective=self.rig.objective,  # type: ignore[arg-type] - checked by Problem

@@ -25,6 +25,7 @@ import scipy.sparse as sparse
 from jaxtyping import Bool, Float, Int
 
 from placement.proof.grid_program import SINGLE_PRECISION, GridProgram, GridSolution, in_windows
+from placement.proof.linear_program import LinearProgram
 
 METHOD = "branch and bound"
 # How much of a total of 1 rows must be broken by for the rest not to matter, and the share of it that is mended in a
@@ -160,28 +161,25 @@ class _Relaxed:
         self.most = float(program.sums(np.ones(n_points, dtype=bool)).min())
         self._families = _families(program)
         self._sectors: dict[tuple[int, int], int] = {}
-        self._solver = highspy.Highs()
         # Few changes from one program to the next: the dual simplex goes on from the last, which presolve would undo.
-        options = {"output_flag": False, "threads": 1, "presolve": "off", "solver": "simplex"}
-        for option, value in options.items():
-            self._solver.setOptionValue(option, value)
+        self._solver = LinearProgram(presolve="off", solver="simplex")
         lowest = np.zeros(n_places)
         lowest[-1] = n_free
-        self._columns(np.zeros(n_places), lowest, np.full(n_places, float(n_free)))
+        self._solver.columns(np.zeros(n_places), lowest, np.full(n_places, float(n_free)))
         one_sum = program.n_sites == 1
         worth = program.weights / self.total
-        self._columns(-worth if one_sum else 0 * worth, np.zeros(n_points), np.ones(n_points))
+        self._solver.columns(-worth if one_sum else 0 * worth, np.zeros(n_points), np.ones(n_points))
         if not one_sum:  # the last variable is at most each of the sums, and is maximised: the least of them
-            self._columns(-np.ones(1), np.zeros(1), np.ones(1))
+            self._solver.columns(-np.ones(1), np.zeros(1), np.ones(1))
             of_site = sparse.csr_matrix((worth, (program.site, np.arange(n_points))), (program.n_sites, n_points))
             none, least = sparse.csr_matrix((program.n_sites, n_places)), np.ones((program.n_sites, 1))
-            self._rows(sparse.hstack([none, -of_site, least]), -np.inf, 0.0)
+            self._solver.rows(sparse.hstack([none, -of_site, least]), -np.inf, 0.0)
         shift = sparse.identity(n_places) - sparse.eye(n_places, k=-1)
-        self._rows(shift, 0.0, np.where(program.allowed, n_free if program.window == 0 else 1, 0))
+        self._solver.rows(shift, 0.0, np.where(program.allowed, n_free if program.window == 0 else 1, 0))
         if program.window > 1 and n_free > 1:
             masks = np.mod(np.arange(n_places)[:, None] - np.arange(n_places), n_places) < program.window
             cumulative, constant = _cumulative(masks, n_free)
-            self._rows(cumulative, -np.inf, 1 - constant)
+            self._solver.rows(cumulative, -np.inf, 1 - constant)
         self._n_always = self._solver.getNumRow()
         self._most_rows = self._n_always
 
@@ -197,9 +195,7 @@ class _Relaxed:
             left = end - time.perf_counter()
             if left <= 0:
                 break
-            self._solver.setOptionValue("time_limit", self._solver.getRunTime() + left)
-            self._solver.run()
-            status = self._solver.getModelStatus()
+            status = self._solver.solve_within(left)
             if status == highspy.HighsModelStatus.kInfeasible:
                 return None
             if status != highspy.HighsModelStatus.kOptimal:
@@ -246,7 +242,7 @@ class _Relaxed:
         cumulative, constant = _cumulative(views, self.program.n_free)
         shape = (len(point), self._solver.getNumCol() - len(views))
         covered = sparse.csr_matrix((np.full(len(point), float(times)), (np.arange(len(point)), point)), shape)
-        self._rows(sparse.hstack([-cumulative, covered]), -np.inf, base + constant)
+        self._solver.rows(sparse.hstack([-cumulative, covered]), -np.inf, base + constant)
 
     def _count(self, counts: Counts) -> None:
         """Ask for so many cameras in these sectors, and for nothing in any other."""
@@ -260,7 +256,7 @@ class _Relaxed:
             row = self._sectors.get((first, last))
             if row is None:
                 self._sectors[first, last] = self._solver.getNumRow()
-                self._rows(cumulative, low, high)
+                self._solver.rows(cumulative, low, high)
             else:
                 self._solver.changeRowBounds(row, low, high)
 
@@ -274,16 +270,6 @@ class _Relaxed:
         place = np.cumsum(~slack) - 1
         self._sectors = {sector: int(place[row]) for sector, row in self._sectors.items() if not slack[row]}
         self._most_rows = GROWTH * self._solver.getNumRow()
-
-    def _columns(self, cost, low, high) -> None:
-        none = np.zeros(0, dtype=np.int32)
-        self._solver.addCols(len(cost), cost, low, high, 0, none, none, np.zeros(0))
-
-    def _rows(self, matrix, low, high) -> None:
-        matrix, n_rows = sparse.csr_matrix(matrix), matrix.shape[0]
-        low, high = (np.broadcast_to(np.asarray(one, dtype=np.float64), n_rows).copy() for one in (low, high))
-        start, index = matrix.indptr[:-1].astype(np.int32), matrix.indices.astype(np.int32)
-        self._solver.addRows(n_rows, low, high, matrix.nnz, start, index, matrix.data.astype(np.float64))
 
 
 def _most_of(broken: Float[np.ndarray, " P"]) -> Int[np.ndarray, " R"]:

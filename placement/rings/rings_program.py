@@ -13,13 +13,14 @@ import time
 from dataclasses import dataclass
 from functools import cached_property
 
+import highspy
 import numpy as np
 import scipy.sparse as sparse
 from jaxtyping import Bool, Float, Int
-from scipy.optimize import Bounds, LinearConstraint, milp
 
 from placement.proof.enumeration import BLOCK, QUICK_MULTIPLICATIONS
 from placement.proof.grid_program import SINGLE_PRECISION, GridSolution
+from placement.proof.linear_program import LinearProgram
 
 MILP = "mixed-integer program"
 # Choices of half of the cameras beyond which they are not even counted.
@@ -225,19 +226,18 @@ def _mixed_integer(program: RingsProgram, seconds: float, gap: float) -> GridSol
     low = np.full(len(high), -np.inf)
     low[n_points + n_sums + len(program.most)] = program.n_free
     most = np.where(np.diag(program.compatible), max(program.n_free, 1), 1)
-    whole = np.append(np.ones(n_places + n_points), 0.0)
-    found = milp(
-        np.append(np.zeros(n_places + n_points), -1.0),
-        integrality=whole,
-        bounds=Bounds(0, np.append(most, np.ones(n_points + 1))),  # type: ignore[arg-type] - it takes arrays
-        constraints=LinearConstraint(rows, low, high),  # type: ignore[arg-type] - it takes arrays
-        options={"time_limit": seconds, "mip_rel_gap": gap},
-    )
-    if found.status == 2:  # infeasible
+    solver = LinearProgram(mip_rel_gap=gap)
+    solver.columns(np.zeros(n_places), np.zeros(n_places), most, whole=True)
+    solver.columns(np.zeros(n_points), np.zeros(n_points), np.ones(n_points), whole=True)
+    solver.columns([-1.0], [0.0], [1.0])
+    solver.rows(rows, low, high)
+    status, info = solver.solve_within(seconds), solver.getInfo()
+    if status == highspy.HighsModelStatus.kInfeasible:
         return GridSolution(None, 0.0, 0.0, MILP, True)
-    dual = found.get("mip_dual_bound")
-    bound = min(1.0, 1.0 if dual is None else -float(dual)) * total + SINGLE_PRECISION * total
-    if found.x is None:
+    bound = min(1.0, -info.mip_dual_bound) * total + SINGLE_PRECISION * total
+    if info.primal_solution_status != highspy.SolutionStatus.kSolutionStatusFeasible:
         return GridSolution(None, 0.0, bound, MILP, False)
-    places = tuple(np.repeat(np.arange(n_places), np.round(found.x[:n_places]).astype(int)).tolist())
-    return GridSolution(places, program.value(places), bound, MILP, found.status == 0)
+    chosen = np.array(solver.getSolution().col_value[:n_places])
+    places = tuple(np.repeat(np.arange(n_places), np.round(chosen).astype(int)).tolist())
+    finished = status == highspy.HighsModelStatus.kOptimal
+    return GridSolution(places, program.value(places), bound, MILP, finished)

@@ -1,6 +1,7 @@
 """The most that any layout of a ring could reconstruct: exact areas of very many equidistant cameras."""
 
 import hashlib
+from collections.abc import Callable
 from concurrent.futures import Future
 from functools import cache
 from pathlib import Path
@@ -49,6 +50,8 @@ class RingMaximum:
         Processes that share the work; the areas do not depend on it.
     memory : Memory, optional
         Where areas are looked up first, and kept. They are found again only by the same code and libraries.
+    report : callable, optional
+        Called with the number of further cameras done, from time to time.
 
     Examples
     --------
@@ -71,8 +74,10 @@ class RingMaximum:
         n_cameras: int = 360,
         workers: int = 1,
         memory: Memory | None = None,
+        report: Callable[[int], object] | None = None,
     ):
         self._sites, self._demand, self._workers, self._memory = sites, unbased(demand), workers, memory
+        self._report = report
         self._ring, self._n_cameras = ring, n_cameras
         self._found: Future[tuple[float, ...]] | None = None
         self._once = Lock()
@@ -115,7 +120,7 @@ class RingMaximum:
         one_place = [ring.diameter <= ON_AXIS for ring in rings]
         numbers = [1 if at_one and not all(one_place) else self._n_cameras for at_one in one_place]
         cameras = [one for ring, n in zip(rings, numbers, strict=True) for one in ring.cameras(ring.equidistant(n))]
-        return exact.evaluate(site.scene, cameras, demand=self._demand, workers=self._workers).area
+        return exact.evaluate(site.scene, cameras, demand=self._demand, workers=self._workers, report=self._report).area
 
     def _key(self, site: Site) -> str:
         content = hashlib.sha256(repr((_evaluator(), self._ring, self._demand, self._n_cameras)).encode())

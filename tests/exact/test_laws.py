@@ -141,3 +141,15 @@ def test_a_baseline_never_adds_and_a_small_one_takes_nothing(name, seed):
         key=lambda pair: np.linalg.norm(pair[0].position - pair[1].position),
     )
     assert close(middle.face_areas, exact.evaluate(mesh, pair, threshold=2).face_areas, mesh)
+
+
+@few
+@given(mesh_names, seeds, st.booleans(), st.booleans())
+def test_what_each_camera_sees_is_what_it_sees_by_itself(name, seed, all_views, with_more):
+    rng, mesh, cameras = request(seed, name, 4)
+    scene, limits = exact.Scene(mesh, rng.random(len(mesh.faces)) < 0.2, rng.uniform(0, 2, len(mesh.faces))), {}
+    if with_more:
+        scene, limits = exact.Scene(mesh, lights=((5.0, 8.0, 300.0),)), {"limits": exact.Limits(max_incidence=1.2)}
+    found = exact.evaluate(scene, cameras, threshold=2, all_views=all_views, **limits).camera_areas
+    alone = [exact.evaluate(scene, [camera], threshold=1, **limits).area for camera in cameras]
+    assert all(close(one, other, mesh) for one, other in zip(found, alone, strict=True))

@@ -110,6 +110,13 @@ def test_of_a_large_mesh_few_layouts_are_scored_and_none_is_polished(bars):
     assert placement.optimise(bars, RING, settings=large.settings, **asked) == large
 
 
+def test_the_ring_maximum_of_a_large_mesh_is_that_of_fewer_cameras(bars):
+    of_large = dataclasses.replace(QUICK, most_faces=len(bars.faces) - 1, ring_cameras=100)
+    found = placement.optimise(bars, RING, 2, settings=of_large, certify=False)
+    assert found.settings.ring_cameras == 72
+    assert found.ring_area == exact.evaluate(bars, RING.cameras(RING.equidistant(72))).area
+
+
 def test_another_seed_gives_other_samples_and_still_a_good_layout(bars, placed):
     other = placement.optimise(bars, RING, n_cameras=4, settings=QUICK, seed=2)
     assert other.angles != placed.angles

@@ -11,16 +11,14 @@ from experiments.cli.results_folder import results_folder
 from experiments.figures.coverage import Panel, write_coverage
 from experiments.files.errors import InputError
 from experiments.layouts import layout_content, layout_file
+from experiments.request.exact_work import ring_maximum, workers_for
 from experiments.request.meshes import exclusion, subject
 from experiments.request.rig import checked_place, overridden
 from experiments.tables import layouts as layout_table
 from experiments.terminal.console import note, print_json, terminal
 from experiments.terminal.progress import progress_bar
-from placement.search.ring_maximum import unbased
 
 OUTPUTS = ("layouts.csv", "coverage.png")
-# Equidistant cameras whose exact area is the ring maximum (Wachter 2021, Table A1).
-RING_CAMERAS = placement.Settings().ring_cameras
 
 
 def run(
@@ -57,17 +55,19 @@ def run(
     scene = exact.Scene(about.mesh, exclude=excluded.mask)
     if out is not None:
         results_folder(out, OUTPUTS, about, force)
-    rows = []
-    with progress_bar("scoring exactly", RING_CAMERAS + sum(len(one.angles) for one in read)) as advance:
-
-        def evaluated(cameras, counted: exact.Demand, all_views: bool = False) -> exact.Reconstruction:
-            result = exact.evaluate(scene, cameras, demand=counted, report=advance, all_views=all_views)
-            refuse_unseen(about, result, rig)
-            return result
-
-        results = [evaluated(rig.cameras(one.angles, one.rolls), demand, all_views=True) for one in read]
+    rows, n_ring = [], placement.Settings().for_faces(scene.n_faces).ring_cameras
+    n_cameras = sum(len(one.angles) for one in read)
+    with progress_bar("scoring exactly", n_ring + n_cameras) as advance:
+        workers = workers_for(scene, n_cameras)
+        results = []
+        for one in read:
+            cameras = rig.cameras(one.angles, one.rolls)
+            results.append(
+                exact.evaluate(scene, cameras, demand=demand, workers=workers, report=advance, all_views=True)
+            )
+            refuse_unseen(about, results[-1], rig)
         areas, errors = [result.area for result in results], [result.error_rms for result in results]
-        maximum = evaluated(rig.cameras(rig.equidistant(RING_CAMERAS)), unbased(demand)).area
+        maximum = ring_maximum(scene, (rig,), demand, n_ring, advance)
     for one, found, error in zip(read, areas, errors, strict=True):
         spread = placement.triangulation(scene, rig, one.angles, rolls=one.rolls, demand=demand)
         gain = None if one is read[0] else (found - areas[0]) / maximum
@@ -86,7 +86,7 @@ def run(
         console = terminal()
         console.print(
             f"{about.name}: {len(about.mesh.faces)} faces; not counted: {excluded.words}\n"
-            f"ring maximum ({RING_CAMERAS} cameras): {maximum:.2f} mm²; a point counts when "
+            f"ring maximum ({n_ring} cameras): {maximum:.2f} mm²; a point counts when "
             f"{demand.clause()}",
         )
         console.print(layout_table.layout_table(rows, "the first"))

@@ -13,6 +13,7 @@ from experiments.files.errors import InputError
 from experiments.files.whole import image_names, output_folder
 from experiments.layouts import layout_content, layout_file
 from experiments.request import rig as rig_file
+from experiments.request.exact_work import ring_maximum, workers_for
 from experiments.request.meshes import Subject
 from experiments.request.option_text import parse_angles
 from experiments.request.outlook import seen
@@ -61,10 +62,6 @@ class _Cameras:
         if not self.is_several:
             return tuple(self.rings[0].cameras(self.angles, self.rolls))
         return cameras_of(self.rings, Places(self.ring_of, self.angles))
-
-    def around(self, n_cameras: int) -> tuple[exact.Camera, ...]:
-        """As many equidistant cameras on each ring."""
-        return tuple(camera for ring in self.rings for camera in ring.cameras(ring.equidistant(n_cameras)))
 
 
 def run(
@@ -144,17 +141,22 @@ def _evaluate(asked: Request, given: _Cameras, with_maximum: bool) -> tuple[exac
     """The reconstruction, and all figures as they stand in evaluation.json."""
     about, scene = asked.subjects[0], asked.poses[0].scene
     cameras = given.all()
-    n_ring = asked.rig.settings.ring_cameras if with_maximum else 0
-    with progress_bar("evaluating", 2 * len(cameras) + n_ring * len(given.rings)) as advance:
-        result = exact.evaluate(scene, cameras, demand=given.demand, report=advance)
-        single = []
-        for camera in cameras:
-            single.append(exact.evaluate(scene, [camera], threshold=1).area)
-            advance(1)
-        refuse_unseen(about, result, given.rings[0])
-        maximum = None
-        if with_maximum:
-            maximum = exact.evaluate(scene, given.around(n_ring), demand=unbased(given.demand), report=advance).area
+    workers = workers_for(scene, len(cameras))
+    few = len(cameras) <= MOST_SHOWN
+    with progress_bar("evaluating", len(cameras) * (1 if few else 2)) as advance:
+        result = exact.evaluate(scene, cameras, demand=given.demand, workers=workers, report=advance, all_views=few)
+        if few:
+            single = result.camera_areas
+        else:  # where one has seen enough the others have not looked
+            alone = [[camera] for camera in cameras]
+            by_one = replace(unbased(given.demand), threshold=1)
+            single = exact.areas(scene, alone, demand=by_one, workers=workers, report=advance)
+    refuse_unseen(about, result, given.rings[0])
+    maximum = None
+    if with_maximum:
+        n_ring = asked.settings.ring_cameras
+        with progress_bar("evaluating all the ring", n_ring * len(given.rings)) as advance:
+            maximum = ring_maximum(scene, given.rings, given.demand, n_ring, advance)
     content = {
         "mesh": {
             "name": about.name,
@@ -173,10 +175,10 @@ def _evaluate(asked: Request, given: _Cameras, with_maximum: bool) -> tuple[exac
         "min_baseline_mm": given.demand.min_baseline,
         "area_mm2": result.area,
         "level_areas_mm2": result.level_areas.tolist(),
-        "camera_areas_mm2": single,
+        "camera_areas_mm2": single.tolist(),
         "repairs": result.repairs,
     }
-    if result.threshold > 1 and len(cameras) <= MOST_SHOWN and result.area > 0:
+    if result.threshold > 1 and few and result.area > 0:
         content["errors_mm"] = {
             "along": given.demand.error,
             "rms": result.error_rms,
@@ -269,7 +271,7 @@ def _print(asked: Request, given: _Cameras, result: exact.Reconstruction, conten
         )
     if "ring_maximum_mm2" in content:
         console.print(
-            f"ring maximum ({asked.rig.settings.ring_cameras} cameras{' on each ring' if given.is_several else ''}): "
+            f"ring maximum ({asked.settings.ring_cameras} cameras{' on each ring' if given.is_several else ''}): "
             f"{content['ring_maximum_mm2']:.4f} mm², of "
             f"which {100 * content['fraction_of_ring_maximum']:.2f} % are reconstructable"
         )

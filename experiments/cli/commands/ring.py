@@ -196,7 +196,7 @@ def _print(asked: Request, counted: Sequence[float], rows: Sequence[dict[str, An
     console.print(ring_table(rows))
     console.print(
         "* no other ring has both more area and less error. A ring's maximum is what "
-        f"{asked.rig.settings.ring_cameras} cameras on it reconstruct, and differs from ring to ring; the counted "
+        f"{asked.settings.ring_cameras} cameras on it reconstruct, and differs from ring to ring; the counted "
         f"area, {sum(counted) / asked.n_poses:.2f} mm², is that of all faces that count, seen or not."
     )
     for row in rows:

@@ -47,8 +47,11 @@ def test_evaluate_asks_for_all_of_it(camring, desk, way):
     assert status == 0
     ring = exact.Ring()
     cameras = ring.cameras([0.17453292519943295, 1.7453292519943295, 3.490658503988659, 5.235987755982989])
-    wanted = exact.evaluate(scene(desk), cameras, demand=DEMAND)
-    assert json.loads(printed)["area_mm2"] == pytest.approx(wanted.area, rel=1e-9)
+    wanted, told = exact.evaluate(scene(desk), cameras, demand=DEMAND), json.loads(printed)
+    assert told["area_mm2"] == pytest.approx(wanted.area, rel=1e-9)
+    of_one = {"threshold": 1, "limits": DEMAND.limits, "optics": DEMAND.optics}
+    single = [exact.evaluate(scene(desk), [camera], **of_one).area for camera in cameras]
+    assert told["camera_areas_mm2"] == pytest.approx(single, rel=1e-9) and max(single) <= told["level_areas_mm2"][0]
     assert wanted.area < 0.95 * exact.evaluate(scene(desk).mesh, cameras).area
 
 
