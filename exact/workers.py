@@ -77,6 +77,11 @@ class Workers(ProcessPoolExecutor):
         # A process of multiprocessing would wait for its own children before anything else ends them.
         util.Finalize(None, end, exitpriority=20)
 
+    def threads(self) -> list[threading.Thread]:
+        """Those of this process that look after the others and hand them their work, as far as they are there."""
+        both = (self._executor_manager_thread, getattr(self._call_queue, "_thread", None))
+        return [thread for thread in both if thread is not None]
+
     def submit(self, fn: Callable, /, *args: Any, **kwargs: Any) -> Future:
         """As of an Executor."""
         return _undisturbed(self._submit, fn, *args, **kwargs)
@@ -119,8 +124,12 @@ def end(at_once: bool = False) -> None:
             _state.changed.wait()
         _state.ending = True
         executors = list(_state.all)
+    threads = [thread for executor in executors for thread in executor.threads()]
     for executor in executors:
         executor.shutdown(wait=False, kill_workers=True)
+    if not at_once:
+        for thread in threads:  # stopped in the middle of it, one leaves a semaphore that nobody signs off
+            thread.join(LOOK_SECONDS)
 
 
 @contextmanager
@@ -220,18 +229,23 @@ def shares(surface: Surface, camera: Camera, active: np.ndarray, n: int) -> list
     """The `active` faces in `n` parts of about equal work: sectors of one camera's image, dealt out in turn.
 
     What is hard to see lies together, so that a part in one piece would often have most of the work; but the narrower
-    the sectors, the more of what is in front of them is needed by several workers.
+    the sectors, the more of what is in front of them is needed by several workers. Faces that others cut through are
+    few, lie in one place and may take as long as all the rest: of these each gets a part.
     """
     index = np.flatnonzero(active)
     local = (surface.vertices[surface.faces[index]].mean(axis=1) - camera.position) @ camera.rotation.T
     image = local[:, :2] / np.maximum(np.abs(local[:, 2:]), NEAR * camera.target_distance)
     away = image - np.median(image, axis=0)
     index = index[np.argsort(np.arctan2(away[:, 1], away[:, 0]), kind="stable")]
-    sectors = np.array_split(index, SECTORS * n)
+    is_crossed = np.zeros_like(active)
+    is_crossed[surface.intersections.face] = True
+    crossed = is_crossed[index]
+    sectors = [np.array_split(of_kind, SECTORS * n) for of_kind in (index[~crossed], index[crossed])]
     shares = []
     for first in range(n):
         share = np.zeros_like(active)
-        share[np.concatenate(sectors[first::n])] = True
+        for of_kind in sectors:
+            share[np.concatenate(of_kind[first::n])] = True
         shares.append(share)
     return shares
 

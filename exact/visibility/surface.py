@@ -104,10 +104,9 @@ class Surface:
         kept = matters.copy()
         kept[self.edge_faces[inner]] = True
         face = np.flatnonzero(kept)
-        vertex, corner = np.unique(self.faces[face], return_inverse=True)
+        vertex, faces = _of_used(self.faces[face], len(self.vertices))
         of_face, of_vertex = np.full(len(self.faces), -1), np.full(len(self.vertices), -1)
         of_face[face], of_vertex[vertex] = np.arange(len(face)), np.arange(len(vertex))
-        faces = corner.reshape(-1, 3)
         surface = Surface(
             self.vertices[vertex], faces, self.areas[face], self.normals[face],
             of_vertex[self.edges[inner]], of_face[self.edge_faces[inner]], self.edge_is_concave[inner],
@@ -175,9 +174,9 @@ def _build(points: np.ndarray, faces: np.ndarray) -> Surface:
     if not np.isfinite(points[faces]).all():
         bad = int(np.flatnonzero(~np.isfinite(points[faces]).all(axis=(1, 2)))[0])
         raise ExactError(f"face {bad} has a vertex that is not finite; remove or mend it first")
-    used, faces = np.unique(faces, return_inverse=True)
+    used, faces = _of_used(faces, len(points))
     vertices, first = np.unique(points[used] + 0.0, axis=0, return_inverse=True)
-    faces = first.reshape(-1)[faces.reshape(-1, 3)]
+    faces = first.reshape(-1)[faces]
     corner = vertices[faces]
     sides = corner[:, [1, 2, 0]] - corner
     longest_squared = (sides**2).sum(axis=2).max(axis=1)
@@ -189,9 +188,9 @@ def _build(points: np.ndarray, faces: np.ndarray) -> Surface:
     if not areas.any():
         raise ExactError(f"none of the {len(faces)} faces has an area; at least one is needed")
     closed = _is_closed(faces, len(vertices))
-    kept, corners = np.unique(faces[areas > 0], return_inverse=True)
+    kept, corners = _of_used(faces[areas > 0], len(vertices))
     vertices, faces = vertices[kept], np.zeros_like(faces)
-    faces[areas > 0] = corners.reshape(-1, 3)
+    faces[areas > 0] = corners
     edges, edge_faces, loose, loose_faces = _edges(faces, areas > 0, len(vertices))
     graph = coo_array(
         (np.ones(len(edges), dtype=np.int8), (edge_faces[:, 0], edge_faces[:, 1])), shape=(len(faces),) * 2
@@ -205,6 +204,13 @@ def _build(points: np.ndarray, faces: np.ndarray) -> Surface:
                          "repair=True) turns it, or call mesh.invert()")  # fmt: skip
     concave = _is_concave(vertices, faces, normals, edges, edge_faces)
     return Surface(vertices, faces, areas, normals, edges, edge_faces, concave, loose, loose_faces, shell, closed)
+
+
+def _of_used(faces: np.ndarray, n_vertices: int) -> tuple[np.ndarray, np.ndarray]:
+    """The vertices that faces use, ascending, and the faces by their numbers among these."""
+    is_used = np.zeros(n_vertices, dtype=bool)
+    is_used[faces] = True
+    return np.flatnonzero(is_used), (np.cumsum(is_used) - 1)[faces]
 
 
 def _is_concave(vertices, faces, normals, edges, edge_faces) -> np.ndarray:

@@ -1,10 +1,10 @@
 """Linear programs, some of their variables whole, that HiGHS minimises."""
 
+from concurrent.futures import ThreadPoolExecutor
+
 import highspy
 import numpy as np
 import scipy.sparse as sparse
-
-from placement.interruptible import interruptible
 
 
 class LinearProgram(highspy.Highs):
@@ -23,6 +23,7 @@ class LinearProgram(highspy.Highs):
         super().__init__()
         for option, value in {"output_flag": False, "threads": 1, **options}.items():
             self.setOptionValue(option, value)
+        self.HandleUserInterrupt = True  # `cancelSolve` stops it
 
     def columns(self, cost, low, high, whole: bool = False) -> None:
         """Add variables with their cost and limits."""
@@ -41,7 +42,16 @@ class LinearProgram(highspy.Highs):
         self.addRows(n_rows, low, high, matrix.nnz, start, index, matrix.data.astype(np.float64))
 
     def solve_within(self, seconds: float) -> highspy.HighsModelStatus:
-        """Minimise for at most so many seconds, further from where it stands if it was solved before."""
+        """Minimise for at most so many seconds, further from where it stands if it was solved before.
+
+        In a thread, since an interrupt would otherwise only be raised when all is done.
+        """
         self.setOptionValue("time_limit", self.getRunTime() + seconds)
-        interruptible(self.run)
+        with ThreadPoolExecutor(1) as thread:
+            done = thread.submit(self.run)
+            try:
+                done.result()
+            except BaseException:
+                self.cancelSolve()
+                raise
         return self.getModelStatus()

@@ -9,7 +9,6 @@ import numpy as np
 import optimistix as optx
 from jaxtyping import Bool, Float, Int
 
-from placement.interruptible import interruptible
 from placement.layouts.layout import angles_from_arcs, angles_from_gaps
 from placement.layouts.layout_parameters import Arcs
 from placement.surrogate.soft_coverage import soft_coverage_of
@@ -70,19 +69,16 @@ def descend(
     arcs = jax.tree.map(jnp.asarray, arcs)
     start = jnp.asarray(parameters)
     gap = jnp.asarray(minimum_gap)
-    falling, of_points = jnp.asarray(temperatures), (surrogate.points, surrogate.demand.threshold)
-    first, last, steps, failed = interruptible(_found, start, arcs, gap, falling, *of_points, int(max_steps))
+    ends = _descend(
+        start, arcs, gap, surrogate.points, jnp.asarray(temperatures), surrogate.demand.threshold, int(max_steps)
+    )
+    first, last, steps, failed = (np.asarray(value) for value in ends)
     moved = np.abs(np.angle(np.exp(1j * (last - first)))).max(axis=1)
     return DescentEnd(last, steps, failed, (moved < FLAT_TOLERANCE) & ~failed)
 
 
-def _found(*asked) -> list[np.ndarray]:
-    """What `_descend` finds, once it is there."""
-    return [np.asarray(value) for value in _descend(*asked)]
-
-
 @eqx.filter_jit
-def _descend(parameters, arcs, gap, temperatures, points, threshold, max_steps):
+def _descend(parameters, arcs, gap, points, temperatures, threshold, max_steps):
     """Stages outside, starts inside: one BFGS is compiled, whatever their numbers."""
     solver = optx.BFGS(rtol=COVERAGE_TOLERANCE, atol=STEP_TOLERANCE)
 

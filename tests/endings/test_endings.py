@@ -141,6 +141,20 @@ SCRIPTS = {
         1,
         "ValueError: of the script",
     ),
+    "interrupted while processes are at work": (
+        "ball = trimesh.creation.icosphere(subdivisions=5, radius=12)\n"
+        "interrupt_soon()\nexact.evaluate(ball, ring.cameras(ring.equidistant(360)), workers=2)",
+        -signal.SIGINT,
+        "KeyboardInterrupt",
+    ),
+    "interrupted while a program is solved": (
+        "draw = np.random.default_rng(0)\nsizes = draw.integers(1, 1000, (20, 60)).astype(float)\n"
+        "program, worth = LinearProgram(), 50 + 100 * draw.random(60)\n"
+        "program.columns(-worth, np.zeros(60), np.ones(60), whole=True)\n"
+        "program.rows(sizes, -np.inf, sizes.sum(axis=1) / 3)\ninterrupt_soon()\nprogram.solve_within(1000.0)",
+        -signal.SIGINT,
+        "KeyboardInterrupt",
+    ),
     "work in a process of multiprocessing": (
         "child = multiprocessing.get_context('fork').Process(\n"
         "    target=lambda: print(exact.areas(seen, layouts, workers=2), file=sys.stderr))\n"
@@ -150,12 +164,17 @@ SCRIPTS = {
     ),
 }
 PROLOGUE = """
-import multiprocessing, sys, threading, time
+import multiprocessing, os, signal, sys, threading, time
+import numpy as np
 import trimesh
 import exact, placement
 from exact.workers import start_processes
+from placement.proof.linear_program import LinearProgram
 from placement.search.ring_maximum import RingMaximum
 from placement.sites import checked_sites
+signal.signal(signal.SIGINT, signal.default_int_handler)  # what runs in the background ignores it
+def interrupt_soon():
+    threading.Timer(1.0, os.kill, (os.getpid(), signal.SIGINT)).start()
 seen, unseen, ring = trimesh.creation.box((10, 10, 1)), trimesh.creation.box((10, 10, 10)), exact.Ring()
 unseen.apply_translation((500, 0, 0))
 demand = exact.Demand()
