@@ -145,13 +145,13 @@ def _evaluate(asked: Request, given: _Cameras, with_maximum: bool) -> tuple[exac
     few = len(cameras) <= MOST_SHOWN
     with progress_bar("evaluating", len(cameras) * (1 if few else 2)) as advance:
         result = exact.evaluate(scene, cameras, demand=given.demand, workers=workers, report=advance, all_views=few)
+        refuse_unseen(about, result, given.rings[0])
         if few:
             single = result.camera_areas
         else:  # where one has seen enough the others have not looked
             alone = [[camera] for camera in cameras]
             by_one = replace(unbased(given.demand), threshold=1)
             single = exact.areas(scene, alone, demand=by_one, workers=workers, report=advance)
-    refuse_unseen(about, result, given.rings[0])
     maximum = None
     if with_maximum:
         n_ring = asked.settings.ring_cameras

@@ -1,8 +1,10 @@
 import csv
+import json
 
 import pytest
 
 from experiments.files.ring_maximum_cache import RememberedAreas
+from tests.support.files import box, put, stl
 
 
 def test_areas_come_back_to_the_last_bit(tmp_path):
@@ -41,3 +43,20 @@ def test_the_second_run_about_a_site_finds_the_ring_maximum_of_the_first(camring
     with (tmp_path / "third" / "layouts.csv").open(encoding="utf-8") as file:
         for row in csv.DictReader(file):
             assert float(row["fraction_of_ring_maximum"]) == float(row["area_mm2"]) / 1e6
+
+
+def test_scoring_layouts_finds_the_ring_maximum_of_earlier_runs(camring, tmp_path, monkeypatch, quick_search):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    mesh, rig = put(tmp_path, "part.stl", stl(box())), put(tmp_path, "rig.toml", quick_search)
+
+    def evaluated():
+        return json.loads(camring("evaluate", mesh, "--cameras", 4, "--target", 0.01, "--json")[1])["ring_maximum_mm2"]
+
+    first = evaluated()
+    (kept,) = (tmp_path / "cache").rglob("ring_maxima/*")
+    assert first == float.fromhex(kept.read_text())
+    kept.write_text((1e6).hex())
+    assert evaluated() == 1e6
+    assert camring("optimise", mesh, "--cameras", 2, "--rig", rig, "--out", tmp_path / "out")[0] == 0
+    layout = tmp_path / "out" / "layout.json"
+    assert json.loads(camring("compare", layout, layout, "--mesh", mesh, "--json")[1])["ring_maximum_mm2"] == 1e6
