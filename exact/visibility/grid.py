@@ -52,6 +52,20 @@ class Grid:
             n = max(FEWEST_CELLS, n // 2)
         return cls(low, high, n)
 
+    def part_within(self, start, end, enter: np.ndarray, leave: np.ndarray) -> list[np.ndarray]:
+        """Where segments, which run from `enter` to `leave`, (N,), come into the grid and go out of it.
+
+        In parts of the way from `start` to `end`, which have x and y. Those that pass beside it are taken as they are.
+        """
+        first, last = enter, leave
+        for begin, finish, low, high in zip((start.x, start.y), (end.x, end.y), self.low, self.high, strict=True):
+            for away, inwards in ((low - begin, finish - begin), (begin - high, begin - finish)):
+                t = np.divide(away, inwards, out=np.zeros_like(away), where=inwards != 0)
+                first = np.where(inwards > 0, np.maximum(first, t), first)
+                last = np.where(inwards < 0, np.minimum(last, t), last)
+        beside = first >= last
+        return [np.where(beside, enter, first), np.where(beside, leave, last)]
+
     @property
     def n_cells(self) -> int:
         """How many cells it has; they are numbered column by column."""

@@ -205,6 +205,7 @@ def _clip(screen: Screen, found: np.ndarray, start: _Ends, end: _Ends) -> Cuts:
     source, ends = np.stack([start.point, end.point], axis=1), []
     enter, leave, at_start, at_end = enter[keep], leave[keep], at_start[keep], at_end[keep]
     if screen.face_distance is None and image.frame is None:
+        within = screen.grid.part_within(start, end, enter, leave)  # beyond it, not all that hides is known
         places = [
             _Ends(
                 start.point,
@@ -212,14 +213,15 @@ def _clip(screen: Screen, found: np.ndarray, start: _Ends, end: _Ends) -> Cuts:
                 start.y + at * (end.y - start.y),
                 ((at_start + at[:, None] * step) * inverse).sum(axis=1),
             )
-            for at in (enter, leave)
+            for at in within
         ]
         which, low, high = _seen_parts(screen, found, start, end, *places)
         found, inverse, step, source = found[which], inverse[which], step[which], source[which]
         at_start, at_end, enter, leave = at_start[which], at_end[which], enter[which], leave[which]
+        first, last = (at[which] for at in within)
         enter, leave = (
-            np.where(low > 0, enter + low * (leave - enter), enter),
-            np.where(high < 1, enter + high * (leave - enter), leave),
+            np.where(low > 0, first + low * (last - first), enter),
+            np.where(high < 1, first + high * (last - first), leave),
         )
     for at in (enter, leave):
         where = np.where(at[:, None] == 1.0, at_end, at_start + at[:, None] * step)

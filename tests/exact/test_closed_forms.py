@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 import shapely
 import trimesh
+from hypothesis import example, given
 
 import exact
+from tests.support.random_requests import few, seeds
 from tests.support.scenes import HEIGHT, above, rectangle, together
 
 RELATIVE = 1e-10  # float64, and GEOS snapping lines together that coincide up to rounding
@@ -177,3 +179,30 @@ def test_weights_scale_areas():
     assert result.area == pytest.approx(100 + 25, rel=RELATIVE)
     assert result.face_areas.sum() == pytest.approx(200, rel=RELATIVE)
     assert result.level_areas.tolist() == [result.area]
+
+
+# Scenes that once came out wrong, by up to all there is: what hid the edge of a shadow ended beyond the field of view.
+@example(3691)
+@example(3804)
+@example(3899)
+@few
+@given(seeds)
+def test_sheets_that_reach_beyond_the_field_of_view(seed):
+    # Level triangles at height z cast shadows that are H / (H - z) times as large; what they leave of the floor in the
+    # field of view is seen.
+    rng, half = np.random.default_rng(seed), 10.0
+    n = rng.integers(2, 7)
+    corners = [np.array([[-120.0, -120.0], [120.0, -120.0], [0.0, 130.0]])]
+    for _ in range(n):
+        corner = rng.normal(size=2) * 12 + rng.normal(size=(3, 2)) * rng.choice([8, 30, 80])
+        corners.append(corner if shapely.LinearRing(corner).is_ccw else corner[::-1])
+    heights = [0.0, *rng.permutation(n) + 1.0]
+    vertices = np.concatenate(
+        [np.column_stack([corner, np.full(3, z)]) for corner, z in zip(corners, heights, strict=True)]
+    )
+    mesh = trimesh.Trimesh(vertices, np.arange(len(vertices)).reshape(-1, 3), process=False)
+    scaled = [corner * HEIGHT / (HEIGHT - z) for corner, z in zip(corners, heights, strict=True)]
+    floor, *shadows = (shapely.Polygon(corner) for corner in scaled)
+    left = shapely.box(-half, -half, half, half).intersection(floor).difference(shapely.union_all(shadows))
+    camera = exact.Camera.look_at((0, 0, HEIGHT), (0, 0, 0), up=(0, 1, 0), fov=(2 * half, 2 * half))
+    assert exact.view(mesh, camera).face_areas[0] == pytest.approx(left.area, abs=1e-7)
