@@ -15,9 +15,9 @@ seeds = st.integers(0, 2**32 - 1)
 
 
 def ring_of(rng, mesh):
-    """A ring close enough for perspective to matter, whose field of view cuts some of the meshes."""
+    """A ring close enough for perspective to matter, whose field of view cuts most of the meshes."""
     size = float(np.abs(mesh.vertices).max())
-    fov = tuple(size * rng.uniform(0.8, 3.0, 2))
+    fov = tuple(size * rng.uniform(0.3, 3.0, 2))
     return exact.Ring(diameter=size * rng.uniform(0.5, 4), working_distance=size * rng.uniform(2.5, 8), fov=fov)
 
 
