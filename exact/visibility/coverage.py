@@ -23,7 +23,7 @@ from exact.visibility.pieces.pieces import HullsSeen, Pieces, cells_of, look_at_
 from exact.visibility.projection import project
 from exact.visibility.silhouettes import Cuts
 from exact.visibility.surface import Part, Surface
-from exact.workers import processes, shares, start_processes
+from exact.workers import processes, shares
 
 # Cameras per block. Within a block no face is cut before all its cameras have been looked through, since most faces
 # are seen whole often enough and never need to be.
@@ -138,7 +138,6 @@ def tally(
     Of parts that are not `lit`, where that matters, no view counts. What cut faces is kept if that is asked for.
     """
     active = active & (surface.areas > 0)
-    start_processes(workers)
     _ = surface.solid  # found once, not by every worker
     if workers == 1 or active.sum() < workers:
         return _tally(surface, cameras, criterion, active, depth_order, lit, keep_cuts, report)

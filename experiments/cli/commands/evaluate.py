@@ -109,7 +109,7 @@ def run(
         results_folder(out, OUTPUTS, asked.subjects[0], force)
     if images is not None:
         output_folder(images, image_names(len(cameras.angles)), force)
-    result, content = _evaluate(asked, cameras, with_maximum=target is not None)
+    result, content = _evaluate(asked, cameras, with_maximum=target is not None, with_meshes=out is not None)
     if as_json:
         print_json(content)
     else:
@@ -137,14 +137,17 @@ def _warn_of_one_place(given: _Cameras) -> None:
         )
 
 
-def _evaluate(asked: Request, given: _Cameras, with_maximum: bool) -> tuple[exact.Reconstruction, dict[str, Any]]:
+def _evaluate(
+    asked: Request, given: _Cameras, with_maximum: bool, with_meshes: bool
+) -> tuple[exact.Reconstruction, dict[str, Any]]:
     """The reconstruction, and all figures as they stand in evaluation.json."""
     about, scene = asked.subjects[0], asked.poses[0].scene
     cameras = given.all()
     workers = workers_for(scene, len(cameras))
     few = len(cameras) <= MOST_SHOWN
     with progress_bar("evaluating", len(cameras) * (1 if few else 2)) as advance:
-        result = exact.evaluate(scene, cameras, demand=given.demand, workers=workers, report=advance, all_views=few)
+        at_once = few and not with_meshes  # which would be cut wherever the set of cameras changes
+        result = exact.evaluate(scene, cameras, demand=given.demand, workers=workers, report=advance, all_views=at_once)
         refuse_unseen(about, result, given.rings[0])
         if few:
             single = result.camera_areas
