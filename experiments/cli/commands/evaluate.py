@@ -145,11 +145,11 @@ def _evaluate(
     cameras = given.all()
     workers = workers_for(scene, len(cameras))
     few = len(cameras) <= MOST_SHOWN
-    with progress_bar("evaluating", len(cameras) * (1 if few else 2)) as advance:
-        at_once = few and not with_meshes  # which would be cut wherever the set of cameras changes
+    at_once = few and not with_meshes  # which would be cut wherever the set of cameras changes
+    with progress_bar("evaluating", len(cameras) * (1 if at_once else 2)) as advance:
         result = exact.evaluate(scene, cameras, demand=given.demand, workers=workers, report=advance, all_views=at_once)
         refuse_unseen(about, result, given.rings[0])
-        if few:
+        if at_once:
             single = result.camera_areas
         else:  # where one has seen enough the others have not looked
             alone = [[camera] for camera in cameras]
