@@ -18,6 +18,8 @@ from exact.visibility.silhouettes import Cuts
 OUTLINE_TOLERANCE = 3e-11
 # The precision grid (in parts of the face): far below any tolerance on areas, far above float64 rounding.
 GRID_SIZE = 1e-12
+# What cannot be cut on this one, where lines run a step of it apart, can on one of these.
+GRID_SIZES = GRID_SIZE, 3 * GRID_SIZE, 10 * GRID_SIZE
 # Pieces that make up more than their face by this part of it overlap: what rounding adds is far less.
 OVERLAP = 1e-10
 # Pieces with more corners, or crossed by more segments of their face, are not cut line by line.
@@ -25,6 +27,8 @@ MOST_CORNERS, MOST_HALVINGS = 12, 6
 POLYGON = 3
 # Gaps narrower than this part of the face are rounding, not shape.
 NECK = 1e-9
+# A point is well off an outline if it is farther from it than this part of the mean width, area over outline.
+CLEARLY_INSIDE = 1e-3
 
 
 def whole_faces(n: int) -> np.ndarray:
@@ -53,6 +57,8 @@ def cut_pieces(face: np.ndarray, piece: np.ndarray, cuts: Cuts, on_grid: np.ndar
     cell : (C,) polygons
     n_repairs : int
         Pieces whose cells did not fill them and that were cut again on a precision grid.
+    inner : (C, 2) float
+        A point clearly inside each cell.
 
     Raises
     ------
@@ -71,22 +77,25 @@ def cut_pieces(face: np.ndarray, piece: np.ndarray, cuts: Cuts, on_grid: np.ndar
     number = np.cumsum(crossed) - 1
     drawing[crossed] = shapely.multilinestrings(everything[order], indices=number[everything_owner[order]])
     on_grid = on_grid[of_piece] & crossed
-    plain = np.flatnonzero(crossed & ~on_grid)
-    first_try = _cells(part, drawing, plain, grid_size=None)
-    failed = _unfilled(part, *first_try, plain)
-    on_grid[failed] = True
-    second_try = _cells(part, drawing, np.flatnonzero(on_grid), grid_size=GRID_SIZE)
-    still = _unfilled(part, *second_try, np.flatnonzero(on_grid))
-    if len(still):
+    uncut, chosen, later = np.flatnonzero(~crossed), np.flatnonzero(crossed & ~on_grid), np.flatnonzero(on_grid)
+    found, n_repairs = [(uncut, part[uncut], clearly_inside(part[uncut]))], 0
+    for grid_size in (None, *GRID_SIZES):
+        cells = _cells(part, drawing, chosen, grid_size)
+        failed = _unfilled(part, *cells[:2], chosen)
+        keep = ~np.isin(cells[0], failed)
+        found.append((cells[0][keep], cells[1][keep], cells[2][keep]))
+        n_repairs += len(failed)
+        chosen, later = np.append(failed, later), later[:0]
+        if not len(chosen):
+            break
+    if len(chosen):
         raise ExactError(
-            f"face {face[of_piece[still[0]]]} could not be cut into visible pieces that fill it up to rounding; "
+            f"face {face[of_piece[chosen[0]]]} could not be cut into visible pieces that fill it up to rounding; "
             "please report the mesh"
         )
-    keep = ~on_grid[first_try[0]]
-    origin = np.concatenate([np.flatnonzero(~crossed), first_try[0][keep], second_try[0]])
-    cell = np.concatenate([part[~crossed], first_try[1][keep], second_try[1]])
+    origin, cell, inner = (np.concatenate(some) for some in zip(*found, strict=True))
     order = np.argsort(origin, kind="stable")
-    return of_piece[origin[order]], cell[order], len(failed)
+    return of_piece[origin[order]], cell[order], n_repairs, inner[order]
 
 
 def halved_pieces(face: np.ndarray, piece: np.ndarray, cuts: Cuts, on_grid: np.ndarray):
@@ -102,17 +111,14 @@ def halved_pieces(face: np.ndarray, piece: np.ndarray, cuts: Cuts, on_grid: np.n
 
     Returns
     -------
-    origin, cell, n_repairs
+    origin, cell, n_repairs, inner
         As of `cut_pieces`.
-    inner : (C, 2) float
-        A point inside each cell.
     """
     corners, count = _convex(piece)
     first, last = np.searchsorted(cuts.face, face, "left"), np.searchsorted(cuts.face, face, "right")
     simple = (count > 0) & (last - first <= MOST_HALVINGS) & ~on_grid
     rest = np.flatnonzero(~simple)
-    origin, cell, n_repairs = cut_pieces(face[rest], piece[rest], cuts, on_grid[rest])
-    inner = shapely.get_coordinates(shapely.point_on_surface(cell))
+    origin, cell, n_repairs, inner = cut_pieces(face[rest], piece[rest], cuts, on_grid[rest])
     owner = np.flatnonzero(simple)
     corners, count = corners[owner], count[owner]
     for k in range(int((last - first)[simple].max(initial=0))):
@@ -281,13 +287,31 @@ def _more_than_touches(piece: np.ndarray, owner: np.ndarray, start: np.ndarray, 
 
 
 def _cells(piece: np.ndarray, drawing: np.ndarray, chosen: np.ndarray, grid_size: float | None):
-    """Cells of the arrangement of the lines of each chosen `drawing` inside its piece, and which piece that is."""
+    """Cells of the arrangement of each chosen `drawing` in its piece: of which piece each is, itself, a point in it."""
     noded = np.asarray(shapely.union_all(drawing[chosen, None], axis=1, grid_size=grid_size))
     collection = shapely.polygonize(noded[:, None], axis=1)  # pyright: ignore[reportCallIssue]
     cell, origin = shapely.get_parts(collection, return_index=True)
     cell, origin = _without_necks(cell, chosen[origin])
-    inside = shapely.contains_properly(piece[origin], shapely.point_on_surface(cell))
-    return origin[inside], cell[inside]
+    inner = clearly_inside(cell)
+    inside = shapely.contains_properly(piece[origin], shapely.points(inner))
+    return origin[inside], cell[inside], inner[inside]
+
+
+def clearly_inside(polygon: np.ndarray) -> np.ndarray:
+    """(N, 2) a point of each polygon that is well off its outline.
+
+    The point that shapely finds is halfway up, and on the outline itself where that follows the same line up to
+    rounding, as that of a face in line with a camera does.
+    """
+    point = shapely.point_on_surface(polygon)
+    inner = shapely.get_coordinates(point)
+    least_away = CLEARLY_INSIDE * shapely.area(polygon) / shapely.length(polygon)
+    doubtful = np.flatnonzero(shapely.distance(point, shapely.boundary(polygon)) < least_away)
+    triangle, of = shapely.get_parts(shapely.constrained_delaunay_triangles(polygon[doubtful]), return_index=True)
+    size = shapely.area(triangle)
+    order = np.argsort(size, kind="stable")  # the largest of each is written last
+    inner[doubtful[of[order]]] = shapely.get_coordinates(shapely.centroid(triangle[order]))
+    return inner
 
 
 def _without_necks(cell: np.ndarray, origin: np.ndarray):

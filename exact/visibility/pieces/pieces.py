@@ -88,9 +88,9 @@ def cells_of(cut: Pieces, sight: Sight, hull_seen: HullsSeen | None, by_set: boo
     face = cut.face[of_piece]
     shown = np.ones(len(part), dtype=bool) if hull_seen is None else hull_seen.may_show(face, part)
     dark, rest = np.flatnonzero(~shown), np.flatnonzero(shown)
-    origin, cell, n_repairs = cut_pieces(face[rest], part[rest], sight.cuts, sight.on_grid[face[rest]])
+    origin, cell, n_repairs, inner = cut_pieces(face[rest], part[rest], sight.cuts, sight.on_grid[face[rest]])
     origin = rest[origin]
-    answer = sight.sees(face[origin], shapely.get_coordinates(shapely.point_on_surface(cell)))
+    answer = sight.sees(face[origin], inner)
     of_dark, group = np.unique(of_piece[dark], return_inverse=True)
     left = gathered(part[dark], group)
     answer = np.append(np.zeros(len(left), dtype=bool), answer)
