@@ -18,8 +18,6 @@ from exact.visibility.silhouettes import Cuts
 OUTLINE_TOLERANCE = 3e-11
 # The precision grid (in parts of the face): far below any tolerance on areas, far above float64 rounding.
 GRID_SIZE = 1e-12
-# What cannot be cut on this one, where lines run a step of it apart, can on one of these.
-GRID_SIZES = GRID_SIZE, 3 * GRID_SIZE, 10 * GRID_SIZE
 # Pieces that make up more than their face by this part of it overlap: what rounding adds is far less.
 OVERLAP = 1e-10
 # Pieces with more corners, or crossed by more segments of their face, are not cut line by line.
@@ -79,20 +77,24 @@ def cut_pieces(face: np.ndarray, piece: np.ndarray, cuts: Cuts, on_grid: np.ndar
     on_grid = on_grid[of_piece] & crossed
     uncut, chosen, later = np.flatnonzero(~crossed), np.flatnonzero(crossed & ~on_grid), np.flatnonzero(on_grid)
     found, n_repairs = [(uncut, part[uncut], clearly_inside(part[uncut]))], 0
-    for grid_size in (None, *GRID_SIZES):
+    for grid_size in (None, GRID_SIZE):
         cells = _cells(part, drawing, chosen, grid_size)
         failed = _unfilled(part, *cells[:2], chosen)
         keep = ~np.isin(cells[0], failed)
         found.append((cells[0][keep], cells[1][keep], cells[2][keep]))
         n_repairs += len(failed)
         chosen, later = np.append(failed, later), later[:0]
-        if not len(chosen):
-            break
     if len(chosen):
-        raise ExactError(
-            f"face {face[of_piece[chosen[0]]]} could not be cut into visible pieces that fill it up to rounding; "
-            "please report the mesh"
-        )
+        # Where lines nearly coincide, they may cross far from where they do; to halve triangles no two lines need meet.
+        triangle, of = shapely.get_parts(shapely.constrained_delaunay_triangles(part[chosen]), return_index=True)
+        owner, cell, inner = _by_lines(face[of_piece[chosen[of]]], *_convex(triangle), cuts)
+        found.append((chosen[of[owner]], cell, inner))
+        failed = _unfilled(part, *found[-1][:2], chosen)
+        if len(failed):
+            raise ExactError(
+                f"face {face[of_piece[failed[0]]]} could not be cut into visible pieces that fill it up to rounding; "
+                "please report the mesh"
+            )
     origin, cell, inner = (np.concatenate(some) for some in zip(*found, strict=True))
     order = np.argsort(origin, kind="stable")
     return of_piece[origin[order]], cell[order], n_repairs, inner[order]
@@ -119,9 +121,21 @@ def halved_pieces(face: np.ndarray, piece: np.ndarray, cuts: Cuts, on_grid: np.n
     simple = (count > 0) & (last - first <= MOST_HALVINGS) & ~on_grid
     rest = np.flatnonzero(~simple)
     origin, cell, n_repairs, inner = cut_pieces(face[rest], piece[rest], cuts, on_grid[rest])
-    owner = np.flatnonzero(simple)
-    corners, count = corners[owner], count[owner]
-    for k in range(int((last - first)[simple].max(initial=0))):
+    chosen = np.flatnonzero(simple)
+    owner, halves, middle = _by_lines(face[chosen], corners[chosen], count[chosen], cuts)
+    origin = np.concatenate([rest[origin], chosen[owner]])
+    order = np.argsort(origin, kind="stable")
+    return origin[order], np.append(cell, halves)[order], n_repairs, np.concatenate([inner, middle])[order]
+
+
+def _by_lines(face: np.ndarray, corners: np.ndarray, count: np.ndarray, cuts: Cuts):
+    """Convex polygons (N, K, 2) of faces, with so many corners (N,), halved by the lines of all segments they meet.
+
+    Which polygon each cell is from, (C,); itself; a point in it, (C, 2).
+    """
+    first, last = np.searchsorted(cuts.face, face, "left"), np.searchsorted(cuts.face, face, "right")
+    owner = np.arange(len(face))
+    for k in range(int((last - first).max(initial=0))):
         which = np.flatnonzero(first[owner] + k < last[owner])
         at = first[owner[which]] + k
         parted, halves, n_corners = _halved(corners[which], count[which], cuts.start[at], cuts.end[at])
@@ -138,13 +152,7 @@ def halved_pieces(face: np.ndarray, piece: np.ndarray, cuts: Cuts, on_grid: np.n
     outline[ends] = corners[:, 0]
     drawn = np.arange(outline.shape[1]) <= count[:, None]
     ring = shapely.linearrings(outline[drawn], indices=np.repeat(np.arange(len(count)), count + 1))
-    origin = np.concatenate([rest[origin], owner])
-    order = np.argsort(origin, kind="stable")
-    cell, inner = (
-        np.concatenate([cell, np.asarray(shapely.polygons(ring))])[order],
-        np.concatenate([inner, middle])[order],
-    )
-    return origin[order], cell, n_repairs, inner
+    return owner, np.asarray(shapely.polygons(ring)), middle
 
 
 def _convex(piece: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
