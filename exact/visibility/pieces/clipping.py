@@ -76,7 +76,7 @@ def cut_pieces(face: np.ndarray, piece: np.ndarray, cuts: Cuts, on_grid: np.ndar
     drawing[crossed] = shapely.multilinestrings(everything[order], indices=number[everything_owner[order]])
     on_grid = on_grid[of_piece] & crossed
     uncut, chosen, later = np.flatnonzero(~crossed), np.flatnonzero(crossed & ~on_grid), np.flatnonzero(on_grid)
-    found, n_repairs = [(uncut, part[uncut], clearly_inside(part[uncut]))], 0
+    found, n_repairs = [(uncut, part[uncut], _clearly_inside(part[uncut]))], 0
     for grid_size in (None, GRID_SIZE):
         cells = _cells(part, drawing, chosen, grid_size)
         failed = _unfilled(part, *cells[:2], chosen)
@@ -86,8 +86,8 @@ def cut_pieces(face: np.ndarray, piece: np.ndarray, cuts: Cuts, on_grid: np.ndar
         chosen, later = np.append(failed, later), later[:0]
     if len(chosen):
         # Where lines nearly coincide, they may cross far from where they do; to halve triangles no two lines need meet.
-        triangle, of = shapely.get_parts(shapely.constrained_delaunay_triangles(part[chosen]), return_index=True)
-        owner, cell, inner = _by_lines(face[of_piece[chosen[of]]], *_convex(triangle), cuts)
+        triangle, of = _triangles(part[chosen])
+        owner, cell, inner = _by_lines(*_range_of(face[of_piece[chosen[of]]], cuts.face), *_convex(triangle), cuts)
         found.append((chosen[of[owner]], cell, inner))
         failed = _unfilled(part, *found[-1][:2], chosen)
         if len(failed):
@@ -117,24 +117,28 @@ def halved_pieces(face: np.ndarray, piece: np.ndarray, cuts: Cuts, on_grid: np.n
         As of `cut_pieces`.
     """
     corners, count = _convex(piece)
-    first, last = np.searchsorted(cuts.face, face, "left"), np.searchsorted(cuts.face, face, "right")
+    first, last = _range_of(face, cuts.face)
     simple = (count > 0) & (last - first <= MOST_HALVINGS) & ~on_grid
     rest = np.flatnonzero(~simple)
     origin, cell, n_repairs, inner = cut_pieces(face[rest], piece[rest], cuts, on_grid[rest])
     chosen = np.flatnonzero(simple)
-    owner, halves, middle = _by_lines(face[chosen], corners[chosen], count[chosen], cuts)
+    owner, halves, middle = _by_lines(first[chosen], last[chosen], corners[chosen], count[chosen], cuts)
     origin = np.concatenate([rest[origin], chosen[owner]])
     order = np.argsort(origin, kind="stable")
     return origin[order], np.append(cell, halves)[order], n_repairs, np.concatenate([inner, middle])[order]
 
 
-def _by_lines(face: np.ndarray, corners: np.ndarray, count: np.ndarray, cuts: Cuts):
-    """Convex polygons (N, K, 2) of faces, with so many corners (N,), halved by the lines of all segments they meet.
+def _range_of(face: np.ndarray, of_face: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Where what is of faces (N,) begins and ends among all, of ascending faces (M,): (N,), (N,)."""
+    return np.searchsorted(of_face, face, "left"), np.searchsorted(of_face, face, "right")
+
+
+def _by_lines(first: np.ndarray, last: np.ndarray, corners: np.ndarray, count: np.ndarray, cuts: Cuts):
+    """Convex polygons (N, K, 2) with so many corners (N,), halved by the lines of the segments `first` to `last`.
 
     Which polygon each cell is from, (C,); itself; a point in it, (C, 2).
     """
-    first, last = np.searchsorted(cuts.face, face, "left"), np.searchsorted(cuts.face, face, "right")
-    owner = np.arange(len(face))
+    owner = np.arange(len(first))
     for k in range(int((last - first).max(initial=0))):
         which = np.flatnonzero(first[owner] + k < last[owner])
         at = first[owner[which]] + k
@@ -240,7 +244,7 @@ def _widened(corners: np.ndarray, width: int) -> np.ndarray:
 
 def of_same_face(face: np.ndarray, of_face: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Pairs (P,), (P,) of one of the faces (N,) and one of others that is the same, (M,) ascending."""
-    first, last = np.searchsorted(of_face, face, "left"), np.searchsorted(of_face, face, "right")
+    first, last = _range_of(face, of_face)
     return np.repeat(np.arange(len(face)), last - first), np.repeat(first, last - first) + counting(last - first)
 
 
@@ -300,12 +304,12 @@ def _cells(piece: np.ndarray, drawing: np.ndarray, chosen: np.ndarray, grid_size
     collection = shapely.polygonize(noded[:, None], axis=1)  # pyright: ignore[reportCallIssue]
     cell, origin = shapely.get_parts(collection, return_index=True)
     cell, origin = _without_necks(cell, chosen[origin])
-    inner = clearly_inside(cell)
+    inner = _clearly_inside(cell)
     inside = shapely.contains_properly(piece[origin], shapely.points(inner))
     return origin[inside], cell[inside], inner[inside]
 
 
-def clearly_inside(polygon: np.ndarray) -> np.ndarray:
+def _clearly_inside(polygon: np.ndarray) -> np.ndarray:
     """(N, 2) a point of each polygon that is well off its outline.
 
     The point that shapely finds is halfway up, and on the outline itself where that follows the same line up to
@@ -315,11 +319,16 @@ def clearly_inside(polygon: np.ndarray) -> np.ndarray:
     inner = shapely.get_coordinates(point)
     least_away = CLEARLY_INSIDE * shapely.area(polygon) / shapely.length(polygon)
     doubtful = np.flatnonzero(shapely.distance(point, shapely.boundary(polygon)) < least_away)
-    triangle, of = shapely.get_parts(shapely.constrained_delaunay_triangles(polygon[doubtful]), return_index=True)
+    triangle, of = _triangles(polygon[doubtful])
     size = shapely.area(triangle)
     order = np.argsort(size, kind="stable")  # the largest of each is written last
     inner[doubtful[of[order]]] = shapely.get_coordinates(shapely.centroid(triangle[order]))
     return inner
+
+
+def _triangles(polygon: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Triangles that fill polygons (N,), and which polygon each is from."""
+    return shapely.get_parts(shapely.constrained_delaunay_triangles(polygon), return_index=True)
 
 
 def _without_necks(cell: np.ndarray, origin: np.ndarray):
@@ -335,7 +344,7 @@ def _without_necks(cell: np.ndarray, origin: np.ndarray):
         return cell, origin
     # On the grid, hairs of no width, which no triangulation gets through, are gone.
     tidy, owner = shapely.get_parts(shapely.set_precision(cell[suspects], GRID_SIZE), return_index=True)
-    triangle, which = shapely.get_parts(shapely.constrained_delaunay_triangles(tidy), return_index=True)
+    triangle, which = _triangles(tidy)
     kept = np.ones(len(cell), dtype=bool)
     kept[suspects] = False
     return np.concatenate([cell[kept], triangle]), np.concatenate([origin[kept], origin[suspects[owner[which]]]])
